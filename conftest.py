@@ -67,7 +67,7 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark tests that start processes, which are those with a fixture of one, or of its environment.
+    """Mark tests that start processes, which are those with a fixture of one, or of its environment, and those on ranks.
 
     Weekly tests are left out unless `-m` names their mark.
     """
@@ -81,6 +81,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.cli)
         if "two_ranks" in names:
             item.add_marker(pytest.mark.mpi)
+        if item.get_closest_marker("mpi"):
+            item.add_marker(pytest.mark.ranks)
 
 
 def pytest_collection_finish() -> None:

@@ -8,14 +8,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+JOB_MEMORY = "SLURM_MEM_PER_NODE"
+"""MB that a job of Slurm has on a machine."""
 CONTROL_GROUP = Path("/sys/fs/cgroup/memory.max")
 
 
 def machine_memory() -> int:
-    """Memory of the machine, or of the container that this process runs in [bytes]."""
+    """Memory of the machine, or of the container or Slurm's job that this process runs in [bytes]."""
     found = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     with suppress(OSError, ValueError):
         found = min(found, int(CONTROL_GROUP.read_text()))
+    with suppress(KeyError, ValueError):
+        # 0 is all that there is.
+        found = min(found, int(os.environ[JOB_MEMORY]) << 20 or found)
     return found
 
 

@@ -28,6 +28,14 @@ POINT_TO_POINT = "OMPI_MCA_pml"
 RANKED = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"}
 """What mpiexec, or a scheduler of jobs, sets in the environment of ranks, one of these."""
 
+TASKS = "SLURM_STEP_NUM_TASKS"
+"""How many tasks srun has started together."""
+
+
+def lone_task() -> bool:
+    """Whether srun has started several tasks, and has made none of them a rank of MPI."""
+    return os.environ.get(TASKS, "1") not in ("", "0", "1") and RANKED.isdisjoint(os.environ)
+
 
 def start_petsc(words: Sequence[str] = ()) -> None:
     """Starts PETSc, which reads neither ``.petscrc`` nor ``petscrc``, here or at home.
@@ -36,9 +44,14 @@ def start_petsc(words: Sequence[str] = ()) -> None:
         words: for its options database; ``-options_file FILE`` among them names a file that it does read.
 
     Raises:
-        UserError: PETSc refuses them, or is built with complex numbers.
+        UserError: PETSc refuses them, or is built with complex numbers; srun has started tasks that are no ranks.
     """
     import petsc4py
+
+    if lone_task():
+        what = f"srun has started {os.environ[TASKS]} tasks that are no ranks of MPI: each would do all of the work"
+        do = f"export SLURM_MPI_TYPE=pmix (srun --mpi=list shows others); for runs of their own: unset {TASKS}"
+        raise UserError(what, "srun", do)
 
     # A process that nobody has started with mpiexec would start a daemon of Open MPI, for 0.1 s, to spawn ranks.
     os.environ.setdefault("OMPI_MCA_ess_singleton_isolated", "1")

@@ -62,7 +62,7 @@ def job_script(measured: Measured, minutes: int = HOUR) -> str:
 set -e
 cd "$SLURM_SUBMIT_DIR"
 export OMP_NUM_THREADS=1
-# srun tells the ranks of each other as this MPI expects it: `srun --mpi=list` shows what there is.
+# How srun makes its tasks ranks of this MPI: `srun --mpi=list` shows what there is.
 export SLURM_MPI_TYPE=pmix
 
 # Starts srun itself, once for each number of ranks.

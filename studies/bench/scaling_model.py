@@ -66,7 +66,7 @@ def frame_ms(stages: Mapping[str, float], first: Load, load: Load) -> dict[str, 
     Args:
         stages: measured on the first number of ranks.
         first: the load there.
-        load: the load to be told of.
+        load: the load there that is asked for.
     """
     slower = first.rate / load.rate
     shares = dict.fromkeys(stages, load.whole / first.whole)
@@ -97,14 +97,14 @@ def model(entries: Sequence[Row], machine: Mapping[str, Row], mode: str) -> Row 
     stages = known[0]["levels"][LEVEL]["stages"]
     checked = []
     for one, load in zip(known[1:], loads[1:]):
-        told = frame_ms(stages, loads[0], load)
-        measured, ms = one["levels"][LEVEL]["ms"], sum(told.values())
+        modelled = frame_ms(stages, loads[0], load)
+        measured, ms = one["levels"][LEVEL]["ms"], sum(modelled.values())
         found = {"ranks": one["ranks"], "ms": ms, "measured_ms": measured, "error": ms / measured - 1.0}
-        checked.append(found | {"stages": told})
+        checked.append(found | {"stages": modelled})
     last, beyond = known[-1]["ranks"], []
     for doubling in range(1, DOUBLINGS + 1):
-        told = frame_ms(stages, loads[0], _beyond(loads[0], loads[-1], last, 2**doubling, mode))
-        beyond.append({"ranks": last * 2**doubling, "ms": sum(told.values()), "stages": told})
+        modelled = frame_ms(stages, loads[0], _beyond(loads[0], loads[-1], last, 2**doubling, mode))
+        beyond.append({"ranks": last * 2**doubling, "ms": sum(modelled.values()), "stages": modelled})
     return {"assumed": ASSUMED, "level": int(LEVEL), "checked": checked, "beyond": beyond}
 
 

@@ -54,6 +54,8 @@ MANY = ("several", "unscripted")
 SINGLE = ("one", "still", "either")
 """Those of one scene."""
 SUMMARY = "measure what reuse and prediction gain, and how the time of a frame grows with size"
+PICTURES = Path("results")
+"""Where pictures go if neither the command line nor a study says."""
 MODULES = (
     bench_reuse,
     bench_limit,
@@ -97,7 +99,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
         add_verbose(study)
         if kind.picture:
             what = "of the picture (default: %(default)s)"
-            study.add_argument("--out", type=Path, default=kind.folder, metavar="DIR", help=what)
+            study.add_argument(
+                "--out", type=Path, default=study.get_default("out") or PICTURES, metavar="DIR", help=what
+            )
         if kind.draw:
             what = "measure nothing, and draw the picture of an earlier run from what its --json wrote"
             study.add_argument("--redraw", type=Path, metavar="FILE", action="append", help=what)
@@ -117,7 +121,9 @@ def run(args: argparse.Namespace) -> int:
     if getattr(args, "redraw", None):
         return redraw(kind, args)
     if launched():
-        raise UserError("a study starts the processes that it measures itself", "mpiexec", kind.alone)
+        own = ": it starts the ranks itself, as many as --ranks names" if "ranks" in args else ""
+        do = f"start it without mpiexec{own}"
+        raise UserError("a study starts the processes that it measures itself", "mpiexec", do)
     kind.check(args)
     own = kind.own is not None and not args.scenes
     several = own or kind.scenes in MANY

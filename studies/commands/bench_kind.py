@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
 
-PICTURES = Path("results")
-"""Where pictures go if nobody says."""
-
 
 @dataclass(frozen=True)
 class Kind:
@@ -41,8 +38,6 @@ class Kind:
         about: why the scene must have a mesh.
         sum_up: prints what is said of all scenes together, given what was found by scene.
         picture: file name in the folder after --out; empty: no such picture.
-        folder: the folder where --out names none.
-        alone: what to do where ranks of MPI start it, which each would measure all for itself.
         times: what the times that it prints include; empty where it has none.
         draw: draws the picture; given the scenes' names with what was found, the arguments and the path.
         fits: of several scripts of a scene, the first that fits is taken where none is named; none: the first one.
@@ -60,8 +55,6 @@ class Kind:
     about: str = "policies of reuse are about one"
     sum_up: Callable[[dict[str, Any]], None] | None = None
     picture: str = ""
-    folder: Path = PICTURES
-    alone: str = "start it without mpiexec"
     times: str = ""
     draw: Callable[[dict[str, Any], argparse.Namespace, Path], None] | None = None
     fits: Callable[[Script, Scene], bool] | None = None

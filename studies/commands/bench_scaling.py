@@ -38,7 +38,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     add_policy(parser)
     add_frames(parser)
     add_repeat(parser)
-    parser.set_defaults(repeat=1)
+    parser.set_defaults(repeat=1, out=Path("results/scaling"))
     parser.add_argument("--oversubscribe", action="store_true", help="let ranks share cores, which says little of time")
 
 
@@ -122,7 +122,7 @@ def draw(found: dict[str, Any], args: argparse.Namespace, path: Path) -> None:
 
 
 def asked_ranks(one: dict[str, Any]) -> list[int]:
-    """Ranks that were run, those that the model tells of, and `CLUSTER`."""
+    """Ranks that were run, those of the model, and `CLUSTER`."""
     beyond = [entry["ranks"] for run in one["runs"] if run["model"] for entry in run["model"]["beyond"]]
     return [*one["asked"]["ranks"], *beyond, CLUSTER]
 
@@ -137,8 +137,6 @@ KINDS = (
         show,
         about="ranks share meshes",
         picture="scaling.png",
-        folder=Path("results/scaling"),
-        alone="start it without mpiexec: it starts the ranks itself, as many as --ranks names",
         times=FRAMES,
         draw=draw,
     ),

@@ -66,10 +66,10 @@ def _speed_ups(axes: Axes, run: Mapping[str, Any]) -> None:
     axes.plot(ranks, [one["limit"] for one in entries], color=INK, linestyle="--", linewidth=1.0, label="limit")
     if run["model"]:
         base = entries[0]["levels"]["1"]["ms"]
-        told = [(one["ranks"], base / one["ms"]) for one in (*run["model"]["checked"], *run["model"]["beyond"])]
+        modelled = [(one["ranks"], base / one["ms"]) for one in (*run["model"]["checked"], *run["model"]["beyond"])]
         look = {"color": LEVELS[1], "linestyle": ":", "marker": "o", "markerfacecolor": "white", "markersize": 4}
-        axes.plot(*zip(*told), linewidth=1.0, label="model of level 1", **look)
-        ranks = sorted({*ranks, *(n for n, _ in told)})
+        axes.plot(*zip(*modelled), linewidth=1.0, label="model of level 1", **look)
+        ranks = sorted({*ranks, *(n for n, _ in modelled)})
     axes.set(xscale="log", xlabel="ranks", ylabel="efficiency" if weak else "speed-up")
     if not weak:
         axes.set_yscale("log")

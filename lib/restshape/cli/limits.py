@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 import tomllib
 from collections.abc import Callable, Iterator
@@ -23,7 +22,6 @@ LIMIT_REACHED = 3
 """Exit code of a run that has ended at a limit."""
 OTHER_RANKS = 10.0
 """Seconds that other ranks give the first one to say what has happened, and to keep the frames."""
-RANKS_HERE = ("OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "PMI_LOCAL_SIZE")
 LARGE_FILE = 4e6
 """Bytes of a drawing whose reading takes longer than a usual frame."""
 KEPT = (CsvFile, RecordingFile, SweepFile)
@@ -79,13 +77,12 @@ def limited(args: argparse.Namespace) -> Iterator[Callable[[], None]]:
     That is so while compiled code does not return, too. The time of the first frame counts from here.
     """
     from restshape import _kernels
-    from restshape.cli.ranks import first_rank
+    from restshape.cli.ranks import first_rank, ranks_here
     from restshape.memory import machine_memory
 
     memory = args.memory_limit
     if memory is None:
-        here = next((int(os.environ[name]) for name in RANKS_HERE if os.environ.get(name, "").isdigit()), 1)
-        memory = MEMORY_SHARE * machine_memory() / max(here, 1)
+        memory = MEMORY_SHARE * machine_memory() / ranks_here()
     seconds = args.frame_limit + (0.0 if first_rank() or not args.frame_limit else OTHER_RANKS)
     sys.stderr.flush()
     kept = "; the frames before it are kept" if any(isinstance(one, KEPT) for one in vars(args).values()) else ""

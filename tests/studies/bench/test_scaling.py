@@ -75,14 +75,14 @@ def test_times_are_of_the_slowest_rank():
 def test_the_model_shares_what_is_shared_and_adds_messages():
     alone = Load(1000, 1000, 4.0, 1e6, 10e9, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     two = Load(510, 1000, 6.0, 0.5e6, 8e9, 18.0, 12.0, 1e6, 1e-6, 2e-6, 1e9)
-    told = frame_ms(STAGES, alone, two)
-    assert told["values"] == pytest.approx(4.0 * 0.51 * 10 / 8)
-    assert told["krylov"] == pytest.approx(8.0 * 0.75 * 10 / 8)
-    assert told["observe"] == 2.0
-    assert told["messages"] == pytest.approx(1e3 * (18e-6 + 24e-6 + 1e-3))
+    modelled = frame_ms(STAGES, alone, two)
+    assert modelled["values"] == pytest.approx(4.0 * 0.51 * 10 / 8)
+    assert modelled["krylov"] == pytest.approx(8.0 * 0.75 * 10 / 8)
+    assert modelled["observe"] == 2.0
+    assert modelled["messages"] == pytest.approx(1e3 * (18e-6 + 24e-6 + 1e-3))
 
 
-def test_the_model_is_checked_on_what_was_run_and_its_error_is_told():
+def test_the_model_is_checked_on_what_was_run_and_its_error_is_reported():
     entries = [ran(1, 14.0), ran(2, 9.0, bandwidth=20e9, cells=500)]
     found = model(entries, MACHINE, "strong")
     (checked,) = found["checked"]
@@ -206,7 +206,6 @@ def measured(tmp_path, command, monkeypatch, mode):
 
 
 @pytest.mark.slow
-@pytest.mark.ranks
 @pytest.mark.mpi
 @pytest.mark.usefixtures("one_rank_here")
 def test_for_programs_and_people(tmp_path, command, monkeypatch):
@@ -220,7 +219,6 @@ def test_for_programs_and_people(tmp_path, command, monkeypatch):
 
 
 @pytest.mark.weekly
-@pytest.mark.ranks
 @pytest.mark.mpi
 def test_all_in_processes_of_their_own(tmp_path, command, monkeypatch):
     _, one, two = measured(tmp_path, command, monkeypatch, "--strong")
@@ -234,7 +232,7 @@ def test_a_job_that_cannot_be_run_says_why(tmp_path, one_rank_here):
         one_rank_here(Job(str(tmp_path / "nowhere.toml"), "", "auto"), 1)
 
 
-def test_a_run_without_an_end_is_told(tmp_path):
+def test_a_run_without_an_end_is_reported(tmp_path):
     job = Job(str(small(tmp_path)), "", "auto")
     outcome = SimpleNamespace(rows=[], found=None, problem="stopped after 3 s")
     with pytest.raises(UserError, match="on 2 ranks the replay stopped after 3 s"):
