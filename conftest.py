@@ -67,7 +67,7 @@ def pytest_ignore_collect(collection_path: Path) -> bool | None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Mark tests that start processes, which are those with a fixture of one, or of its environment, and those on ranks.
+    """Mark tests that start processes, which are those with a fixture of one or of its environment, and those on ranks.
 
     Weekly tests are left out unless `-m` names their mark.
     """
