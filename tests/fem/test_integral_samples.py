@@ -83,7 +83,7 @@ def test_a_seam_is_a_matter_of_dofs():
     np.testing.assert_allclose(Assembled([sewn(X)]).design_product(x, dX, d), expected, atol=1e-14)
 
 
-@pytest.mark.parametrize("backend", ["csr", "bcsr", "coo"])
+@pytest.mark.parametrize("backend", ["csr", "bcsr"])
 def test_the_tangent_of_a_seam_is_that_of_its_product(backend):
     x, d = np.random.default_rng(6).uniform(-1, 1, (2, 2, 2))
     operator = Operator(PETSc.COMM_SELF, 2, np.array([0, 2], dtype=np.int32), backend)

@@ -30,7 +30,7 @@ def main() -> None:
     facets = np.column_stack([bottom[:-1], bottom[1:]]).astype(np.int32)
     fixed[2 * bottom[3:5]] = 0
     pressure = np.array([2.0, 1.0, 0.8])
-    shared = k.Operator(True, 2, node_offsets, world.rank, "coo")
+    shared = k.Operator(True, 2, node_offsets, world.rank)
     alone = k.Operator(False, 2, np.array([0, n], dtype=np.int32), 0, "csr")
     for op in (shared, alone):
         op.set_topology([cells, facets])

@@ -107,7 +107,7 @@ class TestTotal:
         assert (op.generation, op.nnz) == before
 
 
-@pytest.mark.parametrize("backend", ["csr", "coo"])
+@pytest.mark.parametrize("backend", ["csr", "bcsr"])
 class TestKept:
     """Bending assembled once, against all of it assembled again."""
 

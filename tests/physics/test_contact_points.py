@@ -117,7 +117,7 @@ def test_forces_are_slopes_of_the_energy_and_tangents_of_the_forces(friction):
     assert np.abs(force[:3]).max() > 0.0
 
 
-@pytest.mark.parametrize("backend", ["csr", "bcsr", "coo"])
+@pytest.mark.parametrize("backend", ["csr", "bcsr"])
 def test_the_matrix_multiplies_as_the_product_does(backend):
     made, x = pressed()
     operator = Operator(PETSc.COMM_SELF, 3, np.array([0, len(X)]), backend)

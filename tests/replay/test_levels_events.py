@@ -10,8 +10,6 @@ WATCHED = (
     "RestshapePattern",
     "RestshapePatch",
     "RestshapeValues",
-    "MatSetPreallCOO",
-    "MatSetValuesCOO",
     "MatAssemblyEnd",
     "MatCholFctrSym",
     "MatCholFctrNum",
@@ -23,7 +21,7 @@ WATCHED = (
     "PCSetUp",
 )
 SYMBOLIC, NUMERIC = ("MatCholFctrSym", "MatILUFactorSym"), ("MatCholFctrNum", "MatLUFactorNum")
-SETUP = ("RestshapePattern", "MatSetPreallCOO", "MatGetOrdering", *SYMBOLIC)
+SETUP = ("RestshapePattern", "MatGetOrdering", *SYMBOLIC)
 EVENTS = [
     *drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 60)),
     {"do": "idle", "frames": 2},
@@ -99,7 +97,7 @@ def test_level_1_brings_new_values_only(rows):
     kept = [row for row in level if not row["pc_rebuilt"]]
     assert len(kept) > len(level) / 2
     assert happened(level, "RestshapeValues") == len(level)
-    assert happened(level, "RestshapePattern", "RestshapePatch", "MatSetPreallCOO") == 0
+    assert happened(level, "RestshapePattern", "RestshapePatch") == 0
     assert happened(kept, *SETUP, *NUMERIC) == 0
     if name == "thesis":
         assert kept == level
@@ -120,7 +118,7 @@ def test_level_2_patches_the_pattern_and_keeps_the_factor(rows):
     level = by_level(found)[2]
     kept = [row for row in level if not row["pc_rebuilt"]]
     assert kept and happened(level, "RestshapePatch") == len(level)
-    assert happened(level, "RestshapePattern", "MatSetPreallCOO") == 0
+    assert happened(level, "RestshapePattern") == 0
     assert happened(kept, *SYMBOLIC, *NUMERIC, "MatGetOrdering") == 0
     assert happened(level, "RestshapeValues") == len(level)
     if name == "thesis":
@@ -149,11 +147,3 @@ def test_rebuild_makes_everything_in_each_frame_that_moves(tmp_path):
     assert not relocated and not flipped and len(new) == 61
     assert happened(new, *SYMBOLIC) == len(new) and happened(new, "RestshapePattern") == len(new)
     assert happened(idle, *WATCHED) == 0
-
-
-def test_coo_sets_values_without_a_new_preallocation(tmp_path):
-    _, relocated, flipped, new = by_level(counted(tmp_path, "thesis", backend="coo"))
-    assert happened(relocated, "MatSetValuesCOO") == len(relocated) and happened(relocated, "MatSetPreallCOO") == 0
-    # PETSc cannot patch such a pattern: it is rebuilt, and its event is counted at all.
-    for level in (flipped, new):
-        assert happened(level, "MatSetPreallCOO") == len(level) > 0

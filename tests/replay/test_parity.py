@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 from shipped_scripts import coarser
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
@@ -131,20 +130,6 @@ def test_every_scene_under_every_policy(tmp_path, scene, name):
 
 
 EVENTS = drag("window", (0.5, 0.5), across((0.5, 0.5), (1.5, 0.5), 40))
-
-
-def test_backends_agree(tmp_path):
-    scene, script = write_scene(tmp_path, plate()), write_script(tmp_path, EVENTS)
-    replays = [make_replay(scene, script, backend=backend, **FLIPPING) for backend in ("csr", "coo")]
-    levels = set()
-    for rows in zip(*(made.frames() for made in replays), strict=True):
-        a, b = (made.analysis.warm_system() for made in replays)
-        scale = abs(b.matrix).max()
-        assert abs(a.matrix - b.matrix).max() <= 1e-13 * scale
-        np.testing.assert_allclose(a.solution, b.solution, atol=2e-6 * np.abs(b.solution).max())
-        levels.add(rows[0]["level"])
-        assert rows[0]["level"] == rows[1]["level"]
-    assert levels == {0, 1, 2, 3}
 
 
 class LosesCells:

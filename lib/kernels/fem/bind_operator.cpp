@@ -141,12 +141,12 @@ Args:
   fields: unknowns of a node; unknown `a` of node i is row i*fields + a.
   node_offsets: int32 (ranks + 1); nodes of rank r are node_offsets[r]:node_offsets[r + 1].
   rank: this process's.
-  backend: "csr" (one rank; own arrays, cheap patches), "bcsr" (one rank; in blocks of the unknowns of two nodes, PETSc's
-    BAIJ, which products and relaxation read faster; PETSc has no multigrid for it, and no relaxation for its copies) or "coo" (any number of ranks).
+  backend: "csr" (own arrays, cheap patches) or "bcsr" (one rank; in blocks of the unknowns of two nodes, PETSc's BAIJ,
+    which products and relaxation read faster; PETSc has no multigrid for it, and no relaxation for its copies).
 
 Use: set_topology, set_constraints, then for each set of values begin, add ..., end. Then `mat` (a petsc4py Mat that holds
 a reference of its own; fetch it again when `generation` has changed). PETSc must be initialised. Every rank holds all
-nodes and cells and fills its own rows; set_topology, patch and end are collective with "coo".
+nodes and cells and fills its own rows, from the cells that touch its nodes; set_topology and patch are collective.
 PETSc's log has the events RestshapePattern, RestshapePatch, RestshapeValues.)";
 
 }  // namespace
@@ -161,7 +161,7 @@ void bind_operator(py::module_& m) {
              "are held and may change in place.")
         .def("patch", &patch, py::arg("block"), py::arg("changed_cells"),
              "Takes in the cells that changed in place. csr: adds only the pairs that are new; old ones stay as zeros "
-             "until the next set_topology, and the matrix is another one only if there were new pairs.")
+             "until the next set_topology, and the matrix is another one only if there were new pairs, on any rank.")
         .def("set_constraints", &set_constraints, py::arg("mask"),
              "Marks constrained unknowns: mask uint8 (n*fields,) is 1 there.")
         .def("set_sliding", &set_sliding, py::arg("nodes"), py::arg("kept"),

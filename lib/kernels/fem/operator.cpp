@@ -61,8 +61,7 @@ std::unique_ptr<Operator> Operator::create(bool world, int fields, std::vector<i
     if (!running) throw std::runtime_error("PETSc is not initialised: import petsc4py and call petsc4py.init() first");
     if (backend == "csr") return make_csr_operator(world, fields, std::move(node_offsets), rank);
     if (backend == "bcsr") return make_bcsr_operator(world, fields, std::move(node_offsets), rank);
-    if (backend == "coo") return make_coo_operator(world, fields, std::move(node_offsets), rank);
-    throw std::invalid_argument("no backend \"" + backend + "\"; there are csr, bcsr, coo");
+    throw std::invalid_argument("no backend \"" + backend + "\"; there are csr, bcsr");
 }
 
 Operator::Operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
@@ -81,6 +80,7 @@ Operator::Operator(bool world, int fields, std::vector<int32_t> node_offsets, in
         throw std::invalid_argument("node_offsets is for " + std::to_string(node_offsets_.size() - 1) +
                                     " ranks, the communicator has " + std::to_string(size));
     if (rank < 0 || rank >= size) throw std::invalid_argument("rank is not in the communicator");
+    own_ = {node_offsets_[rank], node_offsets_[rank + 1] - node_offsets_[rank], nodes()};
     events();
     mask_.assign(static_cast<size_t>(nodes()) * fields_, 0);
     diagonal_.assign(mask_.size(), 0.0);
@@ -128,9 +128,12 @@ void Operator::set_topology(std::vector<Block> blocks) {
     stop_filling();
     kept_.clear();
     blocks_ = std::move(blocks);
-    for (Block& b : blocks_) find_geometry_end(b, nullptr, b.count);
+    for (Block& b : blocks_) {
+        find_geometry_end(b, nullptr, b.count);
+        b.list_touching(own_);
+    }
     flagged_.resize(blocks_.size());
-    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+    flag_all_constrained();
     new_pattern();
 }
 
@@ -159,7 +162,7 @@ void Operator::set_constraints(const uint8_t* mask) {
     const int first = node_offsets_[rank_] * fields_, last = node_offsets_[rank_ + 1] * fields_;
     for (int dof = first; dof < last; ++dof)
         if (mask_[dof]) constrained_.push_back(dof);
-    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+    flag_all_constrained();
 }
 
 // Nodes whose first two unknowns are kept only as far as a symmetric projection keeps them.
@@ -174,7 +177,11 @@ void Operator::set_sliding(const int32_t* list, int count, const double* kept) {
     sliding_.assign(list, list + count);
     slide_of_.assign(count ? static_cast<size_t>(nodes()) : 0, -1);
     for (int k = 0; k < count; ++k) slide_of_[list[k]] = k;
-    for (int k = 0; k < block_count(); ++k) flag_constrained(k, nullptr, blocks_[k].count);
+    flag_all_constrained();
+}
+
+void Operator::flag_all_constrained() {
+    for (int k = 0; k < block_count(); ++k) flag_constrained(k, blocks_[k].list(), blocks_[k].listed());
 }
 
 void Operator::flag_constrained(int k, const int32_t* list, int count) {
@@ -233,7 +240,19 @@ void Operator::add(int k, const Terms& terms) {
     const int count = terms.subset ? terms.subset_count : block(k).count;
     for (const Term& term : terms.list)
         term.element->tally->add(term.element->has_tangent() ? Purpose::tangent : Purpose::residual, count);
-    assemble(k, terms);
+    const Block& b = block(k);
+    if (!terms.subset || b.all_touch) return assemble(k, terms);
+    std::vector<int32_t> touching, rows;
+    for (int q = 0; q < terms.subset_count; ++q) {
+        if (b.position(terms.subset[q]) < 0) continue;
+        touching.push_back(terms.subset[q]);
+        rows.push_back(terms.parameter_row(q, terms.subset[q]));
+    }
+    Terms own = terms;
+    own.subset = touching.data();
+    own.subset_count = static_cast<int>(touching.size());
+    own.parameter_rows = rows.data();
+    if (own.subset_count) assemble(k, own);
 }
 
 void Operator::end() {

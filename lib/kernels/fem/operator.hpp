@@ -28,13 +28,15 @@ struct Term {
 };
 
 // What `add` assembles on the cells of a block, each scattered once for all terms (rhs may be null). Of a subset of
-// them, in which cells may stand more than once, parameters have a row for each entry of it.
+// them, in which cells may stand more than once, parameters have a row for each entry of it, or the one that is named.
 struct Terms {
     const double* X;
     double* rhs;
     std::vector<Term> list;
-    const int32_t* subset = nullptr;
+    const int32_t *subset = nullptr, *parameter_rows = nullptr;
     int subset_count = 0;
+
+    int parameter_row(int k, int e) const { return !subset ? e : parameter_rows ? parameter_rows[k] : k; }
 };
 
 // Stored entries of a matrix.
@@ -81,27 +83,29 @@ class Operator {
 
     // Takes the matrix over and retires the one before.
     void replace_matrix(Mat mat);
-    bool owned(int32_t node) const { return node >= node_offsets_[rank_] && node < node_offsets_[rank_ + 1]; }
-    int own_nodes() const { return node_offsets_[rank_ + 1] - node_offsets_[rank_]; }
+    bool owned(int32_t node) const { return own_.has(node); }
 
-    // Calls scatter(k, e, dofs, K) with the constrained sum of the tangents of each cell e = list[k] (all if null).
+    // Calls scatter(place of e in the block's list, dofs, K) with the constrained sum of the tangents of each cell e
+    // that touches an own node, or of those of the subset.
     template <class Sizes, class Scatter>
-    void element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
+    void element_loop(Sizes sizes, int block, const Terms& terms, Scatter scatter);
 
     // The same where all terms have a pass of several elements at once.
     static bool packs(const Terms& terms);
     template <class Sizes, class Scatter>
-    void packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count, Scatter scatter);
+    void packed_loop(Sizes sizes, int block, const Terms& terms, Scatter scatter);
 
     MPI_Comm comm_;
     int fields_, rank_;
     std::vector<int32_t> node_offsets_;
+    NodeRange own_;
     std::vector<Block> blocks_;
 
  private:
     void check_cells(const Block& block, const int32_t* list, int count) const;
     static void find_geometry_end(Block& block, const int32_t* list, int count);
     void flag_constrained(int block, const int32_t* list, int count);
+    void flag_all_constrained();
     void subtract(const int32_t* dofs, int dof_nodes, int fields, double coef, const double* r, double* rhs) const {
         for (int i = 0; i < dof_nodes; ++i)
             if (owned(dofs[i]))
@@ -164,30 +168,29 @@ void with_sizes(const Element& e, Run run) {
     run(Sizes<0, 0, 0>(e));
 }
 
-// Own memory in PETSc's CSR format, one rank: new values and patches cost no search and no preallocation.
+// Own memory in PETSc's CSR format: new values and patches cost no search, no preallocation and no message of values.
 std::unique_ptr<Operator> make_csr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 // The same in blocks of two nodes (PETSc's BAIJ), one rank, which products and relaxation read faster.
 std::unique_ptr<Operator> make_bcsr_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
-// PETSc's COO assembly, any number of ranks.
-std::unique_ptr<Operator> make_coo_operator(bool world, int fields, std::vector<int32_t> node_offsets, int rank);
 
 // GCC does not see that `sum` is read only where it has been filled.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
 template <class Sizes, class Scatter>
-void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
-                            Scatter scatter) {
+void Operator::element_loop(Sizes sizes, int block, const Terms& terms, Scatter scatter) {
     if constexpr (Sizes::packs)
-        if (!terms.subset && packs(terms)) return packed_loop(sizes, block, terms, list, count, scatter);
+        if (!terms.subset && packs(terms)) return packed_loop(sizes, block, terms, scatter);
     alignas(64) double X[max_coordinates], x[max_unknowns], r[max_unknowns], K[max_tangent], sum[max_tangent];
     alignas(64) double w[max_coefficients];
     const Block& b = blocks_[block];
     const uint8_t* flagged = flagged_[block].data();
     const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
     const int entries = dof_nodes * fields * sizes.stride();
+    const int count = terms.subset ? terms.subset_count : b.listed();
     for (int k = 0; k < count; ++k) {
-        const int e = list ? list[k] : k;
+        const int e = terms.subset ? terms.subset[k] : b.element(k);
+        const int place = terms.subset ? b.position(e) : k;
         const int32_t *cell = b.nodes_of(e), *dofs = b.dofs_of(e);
         for (int i = 0; i < nodes; ++i)
             for (int a = 0; a < dim; ++a) X[i * dim + a] = terms.X[static_cast<size_t>(cell[i]) * dim + a];
@@ -196,7 +199,7 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
             for (int i = 0; i < dof_nodes; ++i)
                 for (int a = 0; a < fields; ++a) x[i * fields + a] = t.x[static_cast<size_t>(dofs[i]) * fields + a];
             if (t.coefficients) gather(cell, nodes, t.element->coefficient_count(), t.coefficients, w);
-            const double* p = t.parameters + static_cast<size_t>(terms.subset ? k : e) * t.parameter_stride;
+            const double* p = t.parameters + static_cast<size_t>(terms.parameter_row(k, e)) * t.parameter_stride;
             const bool tangent = t.element->has_tangent();
             if (tangent)
                 t.element->residual_tangent(X, x, w, p, r, K);
@@ -206,7 +209,7 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
             if (terms.rhs) subtract(dofs, dof_nodes, fields, t.residual_coef, r, terms.rhs);
             if (!tangent) continue;
             if (terms.list.size() == 1 && t.coef == 1.0) {
-                scatter(k, e, dofs, K);
+                scatter(place, dofs, K);
                 continue;
             }
             if (filled)
@@ -215,14 +218,14 @@ void Operator::element_loop(Sizes sizes, int block, const Terms& terms, const in
                 for (int q = 0; q < entries; ++q) sum[q] = t.coef * K[q];
             filled = true;
         }
-        if (filled) scatter(k, e, dofs, sum);
+        if (filled) scatter(place, dofs, sum);
     }
 }
 
 template <class Sizes, class Scatter>
-void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int32_t* list, int count,
-                           Scatter scatter) {
+void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, Scatter scatter) {
     const Block& b = blocks_[block];
+    const int count = b.listed();
     const int nodes = sizes.nodes(), dim = sizes.dim(), dof_nodes = sizes.dof_nodes(), fields = sizes.fields();
     const int n = dof_nodes * fields, term_count = static_cast<int>(terms.list.size());
     Pack X[max_packed], x[max_packed], w[max_coefficients], p[max_packed_terms][max_parameters], r[max_packed];
@@ -237,7 +240,7 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int
         // Lanes beyond the last element repeat it.
         for (int lane = 0; lane < pack_lanes; ++lane) {
             const int k = first + std::min(lane, filled - 1);
-            cells[lane] = list ? list[k] : k;
+            cells[lane] = b.element(k);
             const int32_t* cell = b.nodes_of(cells[lane]);
             for (int i = 0; i < nodes; ++i)
                 set_lane(X + i * dim, lane, terms.X + static_cast<size_t>(cell[i]) * dim, dim);
@@ -274,7 +277,7 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, const int
             const int32_t* dofs = b.dofs_of(cells[lane]);
             if (flagged_[block][cells[lane]]) constrain(*terms.list.front().element, dofs, 1.0, re[lane], Ke[lane]);
             if (terms.rhs) subtract(dofs, dof_nodes, fields, 1.0, re[lane], terms.rhs);
-            scatter(first + lane, cells[lane], dofs, Ke[lane]);
+            scatter(first + lane, dofs, Ke[lane]);
         }
     }
 }

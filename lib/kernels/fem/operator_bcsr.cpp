@@ -11,14 +11,14 @@ class BcsrOperator final : public Operator {
  public:
     BcsrOperator(bool world, int fields, std::vector<int32_t> node_offsets, int rank)
         : Operator(world, fields, std::move(node_offsets), rank) {
-        if (node_offsets_.size() != 2) throw std::invalid_argument("backend bcsr is for one rank; use coo");
+        if (node_offsets_.size() != 2) throw std::invalid_argument("backend bcsr is for one rank; use csr");
     }
 
     int64_t nonzeros() const override { return static_cast<int64_t>(values_.count); }
 
  protected:
     void new_pattern() override {
-        graph_.build(nodes(), blocks_);
+        graph_.build(own_, blocks_);
         use_graph();
     }
 
@@ -52,30 +52,27 @@ class BcsrOperator final : public Operator {
         const Block& b = blocks_[block];
         const bool symmetric =
             std::all_of(terms.list.begin(), terms.list.end(), [](const Term& term) { return term.element->symmetric; });
-        const int number = terms.subset ? terms.subset_count : b.count;
-        element_loop(
-            sizes, block, terms, terms.subset, number, [=, &b](int, int e, const int32_t* cell, const double* K) {
-                const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
-                // Of nodes that touch nothing the memory need not be either.
-                if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; }))
-                    return;
-                const uint16_t* offset = b.offsets(e);
-                for (int i = 0; i < count; ++i, offset += count)
-                    for (int j = 0; j < count; ++j) {
-                        constexpr int f = Sizes::fixed_fields;
-                        using Part = Eigen::Matrix<double, f, f>;
-                        double* target = value + static_cast<size_t>(start[cell[i]] + offset[j]) * fields * fields;
-                        // PETSc's blocks go down their columns, which of a symmetric tangent are the rows of the other
-                        // one.
-                        const double* source = K + (symmetric ? j * stride + i : i * stride + j) * fields;
-                        const Eigen::Map<const Part, 0, Eigen::OuterStride<>> part(source, fields, fields,
-                                                                                   Eigen::OuterStride<>(stride));
-                        if (symmetric)
-                            Eigen::Map<Part>(target, fields, fields) += part;
-                        else
-                            Eigen::Map<Part>(target, fields, fields) += part.transpose();
-                    }
-            });
+        element_loop(sizes, block, terms, [=, &b](int place, const int32_t* cell, const double* K) {
+            const int count = sizes.dof_nodes(), fields = sizes.fields(), stride = sizes.stride();
+            // Of nodes that touch nothing the memory need not be either.
+            if (count == 1 && std::all_of(K, K + stride * fields, [](double entry) { return entry == 0.0; })) return;
+            const uint16_t* offset = b.offsets(place);
+            for (int i = 0; i < count; ++i, offset += count)
+                for (int j = 0; j < count; ++j) {
+                    constexpr int f = Sizes::fixed_fields;
+                    using Part = Eigen::Matrix<double, f, f>;
+                    double* target = value + static_cast<size_t>(start[cell[i]] + offset[j]) * fields * fields;
+                    // PETSc's blocks go down their columns, which of a symmetric tangent are the rows of the other
+                    // one.
+                    const double* source = K + (symmetric ? j * stride + i : i * stride + j) * fields;
+                    const Eigen::Map<const Part, 0, Eigen::OuterStride<>> part(source, fields, fields,
+                                                                               Eigen::OuterStride<>(stride));
+                    if (symmetric)
+                        Eigen::Map<Part>(target, fields, fields) += part;
+                    else
+                        Eigen::Map<Part>(target, fields, fields) += part.transpose();
+                }
+        });
     }
 
     void use_graph() {

@@ -38,8 +38,8 @@ class Operator:
         comm: PETSc communicator.
         fields: unknowns a node.
         node_offsets: (ranks + 1,) int32 nodes of rank r are node_offsets[r]:node_offsets[r + 1].
-        backend: `csr` (one rank, the library's own patchable pattern), `bcsr` (one rank, blocks of nodes, for solvers
-            by products and relaxation) or `coo` (PETSc's COO assembly); by default csr on one rank and coo on several.
+        backend: `csr` (own arrays, patched after flips; the default) or `bcsr` (one rank, blocks of nodes, for solvers
+            by products and relaxation).
         symmetric: every matrix is, which PETSc is informed of.
         definite: and positive definite.
 
@@ -59,7 +59,7 @@ class Operator:
         self.comm, self.fields, self.symmetric, self.definite = comm, fields, symmetric, symmetric and definite
         offsets = np.ascontiguousarray(node_offsets, dtype=np.int32)
         self.rows = slice(int(offsets[comm.rank]) * fields, int(offsets[comm.rank + 1]) * fields)
-        self.backend = backend or ("csr" if comm.size == 1 else "coo")
+        self.backend = backend or "csr"
         self.core = _kernels.Operator(comm.size > 1, fields, offsets.tolist(), comm.rank, self.backend)
         self.mat = PETSc.Mat()
         self._generation, self.version = -1, 0

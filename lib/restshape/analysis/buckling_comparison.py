@@ -55,7 +55,7 @@ def cold_load_factors(stiffness: sp.csr_matrix, geometric: sp.csr_matrix, count:
 def _geometric(state: BucklingState, u: np.ndarray) -> sp.csr_matrix:
     """G of a displacement u (n, 2) on a new pattern."""
     problem = state.prebuckling.problem
-    operator = Operator(PETSc.COMM_SELF, u.shape[1], np.array([0, len(u)], dtype=np.int32), "coo", False)
+    operator = Operator(PETSc.COMM_SELF, u.shape[1], np.array([0, len(u)], dtype=np.int32), symmetric=False)
     operator.set_topology([problem.space.cells], problem.boundary.mask)
     assembled = Assembled([problem.geometric_stiffness(u, state.sign)], operator)
     return gather_matrix(assembled.tangent(np.zeros_like(u)), PETSc.COMM_SELF)

@@ -37,7 +37,7 @@ def compare_cold(state: ModalState, context: Context, make: Maker) -> Comparison
     eigenvalues that holds one, of its subspace and of its participation.
     """
     body = make(state.scene, state.plan, made(state.space), context.policy.lumped_mass)
-    cold = ModalMatrices(PETSc.COMM_SELF, body, "coo").assemble()
+    cold = ModalMatrices(PETSc.COMM_SELF, body).assemble()
     pairs = zip(state.matrices.gather(), (gather_matrix(mat, PETSc.COMM_SELF) for mat in cold))
     entries = max(matrix_difference(*pair) for pair in pairs)
     solved = _solved(state, body, _pencil(state, context, cold))
@@ -64,7 +64,7 @@ def cluster_width(method: str, tolerance: float) -> float:
 def cold_frequencies(state: ModalState, context: Context, make: Maker) -> np.ndarray:
     """The frequencies (modes,) [Hz] that the scene asks for, of a solve with nothing kept on the mesh as it lies."""
     body = make(state.scene, state.plan, made(state.space), context.policy.lumped_mass)
-    solved = _solved(state, body, _pencil(state, context, ModalMatrices(PETSc.COMM_SELF, body, "coo").assemble()))
+    solved = _solved(state, body, _pencil(state, context, ModalMatrices(PETSc.COMM_SELF, body).assemble()))
     return frequencies(solved.values[solved.chosen])
 
 

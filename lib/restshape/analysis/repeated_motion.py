@@ -35,7 +35,7 @@ class RepeatedMotion:
         self.shape, self.free = body.constrained.shape, np.flatnonzero(~body.constrained.ravel())
         fields = self.shape[1]
         offsets, problem = np.array([0, self.shape[0]], dtype=np.int32), body.problem
-        self._operator = Operator(PETSc.COMM_SELF, fields, offsets, "coo", problem.symmetric, problem.definite)
+        self._operator = Operator(PETSc.COMM_SELF, fields, offsets, None, problem.symmetric, problem.definite)
         self._operator.set_topology(problem.blocks(), problem.boundary.mask)
         zero = np.zeros(self.shape)
         self.mass = self._matrix([MASS], zero)

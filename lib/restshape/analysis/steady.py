@@ -487,7 +487,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         comm, space = self.context.comm, self.problem.space
         problem = self.make(self.state.scene, self.state.plan, made(self.state.bound).mesh)
         shape = problem.boundary.mask.shape
-        operator = Operator(comm, shape[1], space.node_offsets, "coo")
+        operator = Operator(comm, shape[1], space.node_offsets)
         operator.set_topology(problem.blocks(), problem.boundary.mask)
         right = np.zeros(shape)
         dead_loads(problem, right)

@@ -248,7 +248,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             context.stages,
             traits=self.make.traits(state.plan),
         )
-        system = NonlinearSystem(context.comm, problem, "coo", solver, f"{self.make.name}_newton_")
+        system = NonlinearSystem(context.comm, problem, None, solver, f"{self.make.name}_newton_")
         equations = ResidualEquations(problem, system.operator, context.stages)
         system.newton.set_equations(equations)
         equations.begin()
