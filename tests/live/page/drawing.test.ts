@@ -75,12 +75,13 @@ test("a ray hits the nearer triangle, where it is drawn", () => {
   const points = Float32Array.from([0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, -3, 4, 0, -3, 0, 4, -3]);
   const cells = Uint32Array.from([3, 4, 5, 0, 1, 2]);
   const none = new Float32Array(0);
-  assert.equal(rayHit(points, none, 1, cells, 0, 2, [1, 1, 10], [0, 0, -1]), 10);
-  assert.equal(rayHit(points, none, 1, cells, 0, 1, [1, 1, 10], [0, 0, -1]), 13);
-  assert.equal(rayHit(points, none, 1, cells, 0, 2, [3, 3, 10], [0, 0, -1]), Infinity);
+  assert.equal(rayHit(points, none, 1, cells, 0, 2, [1, 1, 10], [0, 0, -1]).t, 10);
+  assert.equal(rayHit(points, none, 1, cells, 0, 1, [1, 1, 10], [0, 0, -1]).t, 13);
+  assert.equal(rayHit(points, none, 1, cells, 0, 2, [3, 3, 10], [0, 0, -1]).t, Infinity);
   const shifts = new Float32Array(18);
   for (let i = 2; i < 9; i += 3) shifts[i] = 0.5;
-  assert.equal(rayHit(points, shifts, 4, cells, 0, 2, [1, 1, 10], [0, 0, -1]), 8);
+  // Aslant it hits where the triangle is drawn, 2 above its place: the shares of its nodes give that place.
+  assert.deepEqual(rayHit(points, shifts, 4, cells, 0, 2, [9, 1, 10], [-1, 0, -1]), { t: 8, triangle: 1, u: 0.25, v: 0.25 });
 });
 
 test("a hand in space goes in a plane or along an axis", () => {

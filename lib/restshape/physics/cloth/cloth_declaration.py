@@ -14,7 +14,7 @@ from restshape.scene.dart_event import DrawnDart
 from restshape.scene.dart_keys import Dart
 from restshape.scene.load_kind import ENTITIES
 from restshape.scene.panels import Panel, PatternLayout, panel_words
-from restshape.scene.physics import OwnPictures, Physics, Section
+from restshape.scene.physics import OwnPictures, Physics, PictureField, Section
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.seam_keys import Seam
 
@@ -72,6 +72,7 @@ CLOTH = Physics(
     derived=DERIVED,
     value_drags=("drag", "rotate", "scale"),
     requested=REQUESTED,
+    pictured={"tension": PictureField("larger principal tension", "N/m")},
     pictures=OwnPictures(
         shows="restshape.physics.cloth.pictures.drape:shows_cloth",
         draw="restshape.physics.cloth.pictures.drape_frames:draw_drape",

@@ -44,6 +44,7 @@ export class Beside {
       this.measure();
     }
     this.box.dataset["kind"] = kind;
+    this.sayOnce();
     this.place();
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => this.hide(), SHOWN);
@@ -52,10 +53,17 @@ export class Beside {
   hide(): void {
     clearTimeout(this.timer);
     this.box.hidden = true;
+    this.sayOnce();
   }
 
+  /** What stands beside the hand is not seen below the picture as well; screen readers have it there. */
+  private sayOnce(): void { this.said.classList.toggle("unseen", !this.box.hidden && this.box.textContent === this.said.textContent); }
+
   /** A sentence below the picture, which screen readers read out. */
-  say(text: string): void { if (this.said.textContent !== text) this.said.textContent = text; }
+  say(text: string): void {
+    if (this.said.textContent !== text) this.said.textContent = text;
+    this.sayOnce();
+  }
 
   /** Why something is not done, and what would be; id: of the message that is refused, 0: of none. */
   refuse(id: number, message: string, todo: string): void {

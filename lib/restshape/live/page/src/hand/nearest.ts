@@ -55,18 +55,21 @@ export function boxArea(xy: Float32Array, paths: readonly (readonly [number, num
 
 export type Triple = readonly [number, number, number];
 
+/** Where a ray hits: how far along it, in which triangle, and the shares of that triangle's second and third node. */
+export interface RayHit { t: number; triangle: number; u: number; v: number; }
+
 /**
- * How far along a ray the first of some triangles is hit; Infinity where none is.
+ * Where a ray hits the first of some triangles; at Infinity where it hits none.
  *
  * points, shifts: of nodes, drawn at points + scale * shifts; shifts may be empty. cells: three nodes a triangle, of which
  * those from `first` to `end` count.
  */
 export function rayHit(
   points: Float32Array, shifts: Float32Array, scale: number, cells: Uint32Array, first: number, end: number, origin: Triple, way: Triple,
-): number {
+): RayHit {
   const s = shifts.length ? scale : 0;
   const place = (i: number): number => points[i]! + (s ? s * shifts[i]! : 0);
-  let nearest = Infinity;
+  const nearest = { t: Infinity, triangle: -1, u: 0, v: 0 };
   for (let i = 3 * first; i < 3 * end; i += 3) {
     const a = 3 * cells[i]!, b = 3 * cells[i + 1]!, c = 3 * cells[i + 2]!;
     const ax = place(a), ay = place(a + 1), az = place(a + 2);
@@ -82,7 +85,7 @@ export function rayHit(
     const v = (way[0] * qx + way[1] * qy + way[2] * qz) / det;
     if (v < 0 || u + v > 1) continue;
     const t = (vx * qx + vy * qy + vz * qz) / det;
-    if (t > 0 && t < nearest) nearest = t;
+    if (t > 0 && t < nearest.t) Object.assign(nearest, { t, triangle: i / 3, u, v });
   }
   return nearest;
 }

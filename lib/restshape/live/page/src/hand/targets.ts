@@ -147,12 +147,31 @@ export class Targets {
       const ranges = here.length ? here : [null]; // what cannot be held still hides what is behind
       for (const target of ranges) {
         const [first, count] = target?.thing.triangles ?? [0, surface.cells.length / 3];
-        const t = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
+        const { t } = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
         if (t < best) [best, found] = [t, target];
       }
     }
     if (!found) return null;
     return { target: found, at: [0, 1, 2].map((k) => from[k]! + best * way[k]!) as [number, number, number], dot: null };
+  }
+
+  /** The place of the surface that is under a pixel, in the shape without displacements; null: there is none. */
+  onSurface(x: number, y: number): [number, number, number] | null {
+    const { origin, direction } = this.scene.view.ray(x, y);
+    let best = Infinity;
+    let found: [number, number, number] | null = null;
+    for (const { surface } of this.scene.parts.all.values()) {
+      if (!surface?.mesh.visible) continue;
+      const { points, shifts, cells } = surface;
+      const hit = rayHit(points, shifts, this.scene.shared.scale.value, cells, 0, cells.length / 3,
+        [origin.x, origin.y, origin.z], [direction.x, direction.y, direction.z]);
+      if (hit.t >= best) continue;
+      best = hit.t;
+      const [a, b, c] = [0, 1, 2].map((k) => 3 * cells[3 * hit.triangle + k]!) as [number, number, number];
+      const share = 1 - hit.u - hit.v;
+      found = [0, 1, 2].map((k) => share * points[a + k]! + hit.u * points[b + k]! + hit.v * points[c + k]!) as [number, number, number];
+    }
+    return found;
   }
 
   /** Pixels of a part's points as they lie on the screen; of each only once a look. */

@@ -35,8 +35,10 @@ export class Tools {
   down(event: PointerEvent): boolean {
     if (this.asked) {
       const { x, y } = pixelsOf(this.scene, event);
-      const grip = this.targets?.at(this.app.things, x, y, 8, ({ role }) => role === "vertex" || this.scene.view.dim === 3);
-      this.answer([...(grip?.at ?? this.ground(event))].slice(0, this.scene.view.dim));
+      const { targets, app, scene: { view } } = this;
+      const vertex = targets?.at(app.things, x, y, 8, ({ role }) => role === "vertex");
+      const at = vertex?.at ?? targets?.onSurface(x, y) ?? (view.dim === 3 ? targets?.at(app.things, x, y, 8, () => true)?.at : null);
+      this.answer([...(at ?? this.ground(event))].slice(0, view.dim));
       return true;
     }
     if (this.app.role !== "hand") return false;
