@@ -141,7 +141,7 @@ def test_numbers_are_typed_and_stay_what_they_are_where_they_are_refused(bracket
     page.press("Idle")
     page.until(lambda: not page.tab.locator("#said").inner_text(), "words that go")
     assert not page.tab.locator(".number .wrong:visible").count()
-    assert "as before" not in "".join(values.all_inner_texts())
+    page.until(lambda: "as before" not in "".join(values.all_inner_texts()), "quantities of the frame")
     live.end()
     page.until(lambda: page.tab.locator("#connection").inner_text() == "the session has ended", "the end")
     assert f"its script is in {live.out}" in page.log.inner_text()
@@ -213,18 +213,27 @@ def report_colours(recording, looks, places):
     return colours_at(picture, [0.0, len(picture)] + pixels * [1.0, -1.0])
 
 
-def test_the_picture_is_that_of_a_report(bracket_session, opened, tmp_path):
-    """The same extremes in words, and the same colours at ten places."""
+def png(page):
+    """The picture that a page saves, RGB."""
+    with page.tab.expect_download() as download:
+        page.tab.get_by_role("button", name="PNG").click()
+    return np.asarray(Image.open(download.value.path()).convert("RGB"))
+
+
+def test_the_picture_is_that_of_a_report(bracket_session, opened, context, tmp_path):
+    """The same extremes in words, and the same colours at ten places; with a graphics card as without."""
     live = bracket_session()
     page = opened(live)
+    by_card = BrowserPage(context, f"{live.address}?draw=card")
+    apart = np.abs(png(page).astype(int) - png(by_card)).max(axis=2)
+    assert apart.size > 100_000 and (apart > 16).mean() < 1e-3 and (apart > 2).mean() < 0.03
+    by_card.tab.close()
     for name in ("edges of the mesh", "outline before deformation", "what can be held", "marks"):
         page.tab.get_by_label(name, exact=True).uncheck()
     page.tab.get_by_role("button", name="1 : 1").click()
     pixels = pixels_of_places(page)
     page.tab.mouse.click(*SIDE)  # nothing is selected
-    with page.tab.expect_download() as download:
-        page.tab.get_by_role("button", name="PNG").click()
-    picture = np.asarray(Image.open(download.value.path()).convert("RGB"))
+    picture = png(page)
     words = page.tab.locator("#bar .extremes").inner_text()
     live.end()
 

@@ -40,11 +40,12 @@ def message() -> bytes:
     )
 
 
-def test_pure_functions_of_drawing_and_hand(tmp_path: Path) -> None:
-    bundle, known = tmp_path / "drawing.test.mjs", tmp_path / "known.json"
+@pytest.mark.parametrize("name", ["drawing", "software"])
+def test_pure_functions_of_drawing_and_hand(tmp_path: Path, name: str) -> None:
+    bundle, known = tmp_path / f"{name}.test.mjs", tmp_path / "known.json"
     wanted = {"viridis": colours(COLOURS), "RdBu": colours(SIGNED), "message": base64.b64encode(message()).decode()}
     known.write_text(json.dumps(wanted), encoding="utf-8")
-    source = Path(__file__).parent / "page" / "drawing.test.ts"
+    source = Path(__file__).parent / "page" / f"{name}.test.ts"
     how = ["--bundle", "--platform=node", "--format=esm", "--log-level=warning", f"--outfile={bundle}"]
     subprocess.run([TOOLS / "esbuild", source, *how], check=True, cwd=ROOT)
     environment = {**os.environ, "PAGE_KNOWN": str(known)}

@@ -1,12 +1,13 @@
 // The line above the shape: which scene it is, what the last frame was, and whether there is a connection.
 
 import type { App } from "./app";
+import type { Painter } from "./panels/painter";
 import type { FrameMessage } from "./protocol";
 
 const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again", elsewhere: "goes on in another tab", ended: "the session has ended" };
 const COLUMNS = ["level", "ms", "iterations", "estimate"];
 
-export function showHead(app: App): void {
+export function showHead(app: App, painter: Painter): void {
   const title = document.getElementById("title")!;
   const status = document.getElementById("status")!;
   const connection = document.getElementById("connection")!;
@@ -20,9 +21,14 @@ export function showHead(app: App): void {
     connection.dataset["state"] = link;
   });
   const cells = new Map<string, HTMLElement>();
-  app.on("frame", ({ header }) => {
-    for (const [name, text] of columns(header)) cell(status, cells, name).textContent = text;
-  });
+  const write = (): void => {
+    if (!app.frame) return;
+    for (const [name, text] of columns(app.frame.header)) {
+      const shown = cell(status, cells, name);
+      if (shown.textContent !== text) shown.textContent = text;
+    }
+  };
+  app.on("frame", () => painter.soon(write));
 }
 
 function columns(header: FrameMessage): [string, string][] {

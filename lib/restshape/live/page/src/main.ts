@@ -2,14 +2,17 @@
 
 import { App, type Link } from "./app";
 import { Connection } from "./connection";
+import { drawsInSoftware } from "./draw/drawer";
 import { Scene } from "./draw/scene";
 import { frameOf } from "./frames";
 import { joinHand } from "./hand/hand";
 import { showHead } from "./head";
 import { Latency } from "./latency";
+import { Painter } from "./panels/painter";
 import { showPanels } from "./panels/panels";
 import { showSheet } from "./sheet";
 
+const painter = new Painter();
 const app: App = new App((asked) => latency.sent(connection.send(asked)));
 const latency = new Latency(app);
 const connection = new Connection({
@@ -17,23 +20,25 @@ const connection = new Connection({
   frame: (header, bytes, base) => app.tell("frame", frameOf(header, bytes, base)),
   connected: linked,
 });
-showHead(app);
+showHead(app, painter);
 showSheet();
 show();
 
 function show(): void {
   const canvas = document.getElementById("canvas") as HTMLCanvasElement;
-  if (!document.createElement("canvas").getContext("webgl2")) {
+  const context = document.createElement("canvas").getContext("webgl2");
+  if (!context) {
     const unable = document.getElementById("unable")!;
     unable.textContent = "This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
       + "a current Firefox, Chrome, Edge or Safari. The panels work without it.";
     unable.hidden = false;
     const nothing = (): void => undefined;
-    showPanels(app, { pick: () => Promise.resolve(null), where: () => null, setLines: nothing, setArrows: nothing, setWords: nothing });
+    showPanels(app, { pick: () => Promise.resolve(null), where: () => null, setLines: nothing, setArrows: nothing, setWords: nothing }, painter);
     return;
   }
-  const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!);
-  showPanels(app, joinHand(app, scene));
+  const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!, painter, !drawsInSoftware(context));
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  showPanels(app, joinHand(app, scene), painter);
 }
 
 function linked(open: boolean, why?: "elsewhere" | "ended"): void {

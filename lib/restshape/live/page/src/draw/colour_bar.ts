@@ -1,5 +1,6 @@
 // The colours of the field beside its values, with its extremes.
 
+import type { Painter } from "../panels/painter";
 import { siText, scaledUnit } from "../panels/si_text";
 import type { FieldInfo } from "../protocol";
 import { colourTable, type ColourMap } from "./colour_maps";
@@ -13,8 +14,9 @@ export class ColourBar {
   private readonly extremes = document.createElement("div");
   private readonly values = [0, 1, 2].map(() => document.createElement("span"));
   private map: ColourMap | null = null;
+  private state: BarState | null = null;
 
-  constructor(private readonly into: HTMLElement) {
+  constructor(private readonly into: HTMLElement, private readonly painter: Painter) {
     this.strip.width = 256;
     this.strip.height = 1;
     this.strip.setAttribute("role", "img");
@@ -27,6 +29,13 @@ export class ColourBar {
   }
 
   show(state: BarState): void {
+    this.state = state;
+    this.painter.soon(this.write);
+  }
+
+  private readonly write = (): void => {
+    const { state } = this;
+    if (!state) return;
     const { field, map, ends, low, high, note } = state;
     for (const element of [this.strip, this.scale]) element.hidden = !field;
     this.into.hidden = !field && !note;
@@ -43,7 +52,7 @@ export class ColourBar {
     [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor, span)));
     name(this.strip, `colours of ${field.label}, from ${siText(ends[0], field.unit)} to ${siText(ends[1], field.unit)}`);
     put(this.extremes, `${siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
-  }
+  };
 
   private paint(map: ColourMap): void {
     if (map === this.map) return;

@@ -3,6 +3,7 @@
 import { BufferGeometry, Color, GLSL3, Points, ShaderMaterial, type IUniform } from "three";
 
 import { refresh, room } from "./buffers";
+import { drawnBy } from "./drawn";
 import type { Shared } from "./shared";
 
 const VERTEX = /* glsl */ `
@@ -28,17 +29,26 @@ void main() {
 
 export interface DotLook { colour: Color; rim: Color; width: number; through?: boolean; moves?: boolean; }
 
+const NONE = new Float32Array(0);
+
 export class Dots {
   readonly points: Points<BufferGeometry, ShaderMaterial>;
   readonly colour: IUniform<Color>;
-  private readonly moves: IUniform<number>;
-  private readonly width: IUniform<number>;
-  private count = 0;
+  readonly rim: Color;
+  readonly through: boolean;
+  readonly moves: IUniform<number>;
+  readonly width: IUniform<number>;
+  places: Float32Array = NONE;
+  shifts: Float32Array = NONE;
+  count = 0;
+  private stale = false;                             // the graphics card has what was before
 
   constructor(shared: Shared, look: DotLook) {
     this.colour = { value: look.colour };
     this.width = { value: look.width };
     this.moves = { value: look.moves === false ? 0 : 1 };
+    this.rim = look.rim;
+    this.through = look.through === true;
     this.points = new Points(new BufferGeometry(), new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, depthWrite: false, depthTest: !look.through,
       uniforms: {
@@ -48,6 +58,7 @@ export class Dots {
     }));
     this.points.frustumCulled = false;
     this.points.matrixAutoUpdate = false;
+    drawnBy(this.points, this);
   }
 
   look(colour: Color, width: number): void {
@@ -56,16 +67,24 @@ export class Dots {
   }
 
   set(points: Float32Array, shifts: Float32Array, count = points.length / 3): void {
+    [this.places, this.shifts, this.count] = [points, shifts, count];
+    this.points.visible = count > 0;
+    this.stale = true;
+  }
+
+  /** Fills what the graphics card draws. */
+  ready(): void {
+    if (!this.stale) return;
+    this.stale = false;
+    const { places, shifts, count } = this;
     const { geometry } = this.points;
-    room(geometry, "position", count, 3).set(points.subarray(0, 3 * count));
+    room(geometry, "position", count, 3).set(places.subarray(0, 3 * count));
     const all = room(geometry, "shift", count, 3);
     if (shifts.length) all.set(shifts.subarray(0, 3 * count));
     else all.fill(0);
     refresh(geometry, "position", count);
     refresh(geometry, "shift", count);
     geometry.setDrawRange(0, count);
-    this.count = count;
-    this.points.visible = count > 0;
   }
 
   get empty(): boolean { return this.count === 0; }

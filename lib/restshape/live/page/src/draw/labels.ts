@@ -2,11 +2,15 @@
 
 import { Vector3 } from "three";
 
+import type { Painter } from "../panels/painter";
 import type { View } from "./view";
 
 /** moved: displacement of the place, where it goes with the deformation that is drawn. */
 export interface Word { text: string; at: ArrayLike<number>; meaning: string; moved?: ArrayLike<number> | null; }
-interface Shown { element: HTMLSpanElement; at: Vector3; moved: Vector3; width: number; text: string; meaning: string; }
+/** text: that it will have at the painter's next turn; said: that it has. place: where it is, as the style has it. */
+interface Shown {
+  element: HTMLSpanElement; at: Vector3; moved: Vector3; width: number; text: string; said: string; meaning: string; place: string; free: boolean;
+}
 
 const BESIDE = 9; // pixels from the place
 const HEIGHT = 17; // pixels of a line with its padding
@@ -16,14 +20,14 @@ export class Labels {
   private readonly sets = new Map<string, Shown[]>();
   private readonly work = new Vector3();
 
-  constructor(private readonly over: HTMLElement) {}
+  constructor(private readonly over: HTMLElement, private readonly painter: Painter) {}
 
   /** Words under a name, in place of those before; none: takes them away. */
   set(name: string, words: readonly Word[]): void {
     const shown = this.sets.get(name) ?? [];
     while (shown.length > words.length) shown.pop()!.element.remove();
     while (shown.length < words.length) shown.push(this.make());
-    words.forEach((word, i) => write(shown[i]!, word));
+    words.forEach((word, i) => this.write(shown[i]!, word));
     if (words.length) this.sets.set(name, shown);
     else this.sets.delete(name);
   }
@@ -43,8 +47,10 @@ export class Labels {
         const box: [number, number, number, number] = [left, top, left + one.width, top + HEIGHT];
         const free = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20 && !taken.some((other) => meet(box, other));
         if (free) taken.push(box);
-        one.element.style.visibility = free ? "visible" : "hidden";
-        one.element.style.transform = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+        if (one.free !== free) one.element.style.visibility = free ? "visible" : "hidden";
+        one.free = free;
+        const place = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+        if (free && one.place !== place) one.element.style.transform = one.place = place;
       }
     }
   }
@@ -52,18 +58,29 @@ export class Labels {
   private make(): Shown {
     const element = document.createElement("span");
     this.over.append(element);
-    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", meaning: "" };
+    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", said: "", meaning: "", place: "", free: true };
   }
+
+  /** Places change with each frame; texts that change with it are written as often as they can be read. */
+  private write(shown: Shown, { text, at, meaning, moved }: Word): void {
+    shown.at.set(at[0] ?? 0, at[1] ?? 0, at[2] ?? 0);
+    shown.moved.set(moved?.[0] ?? 0, moved?.[1] ?? 0, moved?.[2] ?? 0);
+    if (shown.meaning !== meaning) shown.element.style.color = `var(--${meaning}, var(--guide))`;
+    shown.meaning = meaning;
+    shown.text = text;
+    if (shown.said === "") say(shown);
+    else if (shown.said !== text) this.painter.soon(this.sayAll);
+  }
+
+  private readonly sayAll = (): void => {
+    for (const shown of this.sets.values()) shown.forEach(say);
+  };
 }
 
-function write(shown: Shown, { text, at, meaning, moved }: Word): void {
-  shown.at.set(at[0] ?? 0, at[1] ?? 0, at[2] ?? 0);
-  shown.moved.set(moved?.[0] ?? 0, moved?.[1] ?? 0, moved?.[2] ?? 0);
-  if (shown.meaning !== meaning) shown.element.style.color = `var(--${meaning}, var(--guide))`;
-  shown.meaning = meaning;
-  if (shown.text === text) return;
-  shown.text = shown.element.textContent = text;
-  shown.width = widthOf(text);
+function say(shown: Shown): void {
+  if (shown.said === shown.text) return;
+  shown.said = shown.element.textContent = shown.text;
+  shown.width = widthOf(shown.text);
 }
 
 let pen: CanvasRenderingContext2D | null = null;

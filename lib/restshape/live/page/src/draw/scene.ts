@@ -1,17 +1,21 @@
 // The picture: what frames bring is drawn once, when something has changed.
 
-import { ColorManagement, Group, LinearSRGBColorSpace, Scene as Drawn, WebGLRenderer } from "three";
+import { ColorManagement, Group, Scene as Drawn } from "three";
 
 import type { App, Frame, Look, Welcome } from "../app";
+import type { Painter } from "../panels/painter";
 import type { FieldInfo } from "../protocol";
+import { CardDrawer } from "./card_drawer";
 import { chosenMap, ends } from "./colour_maps";
 import { ColourBar } from "./colour_bar";
+import type { Drawer } from "./drawer";
 import { Labels, type Word } from "./labels";
 import { Marks, type ArrowsDrawn, type LinesDrawn } from "./marks";
 import { Parts } from "./parts";
 import { autoScale, largest } from "./scale";
 import { Shared } from "./shared";
 import { Sharpness } from "./sharpness";
+import { SoftwareDrawer } from "./software_drawer";
 import { Theme } from "./theme";
 import { View } from "./view";
 
@@ -26,7 +30,7 @@ export class Scene {
   parts: Parts;
   view: View;
   onDraw: (() => void)[] = [];                       // before a drawing
-  private readonly renderer: WebGLRenderer;
+  private drawer: Drawer;
   private readonly scene = new Drawn();
   private readonly group = new Group();
   private readonly bar: ColourBar;
@@ -43,15 +47,14 @@ export class Scene {
   private width = 1;
   private height = 1;
 
-  /** Throws where the browser has no WebGL 2. */
-  constructor(private readonly app: App, readonly canvas: HTMLCanvasElement, labels: HTMLElement, bar: HTMLElement) {
-    // An opaque canvas hides what is below it from the browser, which then need not draw that.
-    const context = canvas.getContext("webgl2", { alpha: false, antialias: false, stencil: false, powerPreference: "high-performance" });
-    if (!context) throw new Error("no WebGL 2");
-    this.renderer = new WebGLRenderer({ canvas, context });
-    this.renderer.outputColorSpace = LinearSRGBColorSpace;
-    this.labels = new Labels(labels);
-    this.bar = new ColourBar(bar);
+  /** card: a graphics card draws. Throws where the browser has no WebGL 2. */
+  constructor(
+    private readonly app: App, readonly canvas: HTMLCanvasElement, labels: HTMLElement, bar: HTMLElement,
+    private readonly painter: Painter, private readonly card: boolean,
+  ) {
+    this.drawer = card ? new CardDrawer(canvas) : new SoftwareDrawer(canvas, this.shared, false);
+    this.labels = new Labels(labels, painter);
+    this.bar = new ColourBar(bar, painter);
     this.marks = new Marks(this.scene, this.shared, this.theme, this.labels, () => this.request());
     this.scene.add(this.group, this.overlay);
     this.parts = new Parts(this.group, this.shared, this.theme, 2);
@@ -94,7 +97,8 @@ export class Scene {
   /** The picture as it is now, drawn at once so that its pixels can be read. */
   pixels(): HTMLCanvasElement {
     this.sharpness.settle();
-    this.renderer.render(this.scene, this.view.camera);
+    this.painter.now();
+    this.drawer.draw(this.scene, this.view.camera);
     return this.canvas;
   }
 
@@ -106,6 +110,8 @@ export class Scene {
       this.view = new View(this.canvas, welcome.dim, () => this.moved());
       this.parts = new Parts(this.group, this.shared, this.theme, welcome.dim);
       this.fitted = false;
+      if (!this.card) this.drawer = new SoftwareDrawer(this.canvas, this.shared, welcome.dim === 3);
+      this.recolour();
       this.resize();
     }
     this.shared.scale.value = 1;
@@ -223,7 +229,7 @@ export class Scene {
   }
 
   private recolour(): void {
-    this.renderer.setClearColor(this.theme.colour("ground"));
+    this.drawer.clearTo(this.theme.colour("ground"));
     this.shared.glowing.value = this.theme.colour("lit");
     this.request();
   }
@@ -247,8 +253,7 @@ export class Scene {
   /** Takes as many pixels as the picture has now. */
   private grain(): void {
     const ratio = Math.min(devicePixelRatio || 1, 2) * this.sharpness.share;
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(this.width, this.height, false);
+    this.drawer.resize(this.width, this.height, ratio);
     this.shared.size.value.set(this.width * ratio, this.height * ratio);
     this.shared.pixels.value = ratio;
   }
@@ -262,7 +267,7 @@ export class Scene {
     if (this.asked) this.sharpness.begin(performance.now(), this.answered > 0 || this.view.moving);
     this.asked = false;
     for (const before of this.onDraw) before();
-    this.renderer.render(this.scene, this.view.camera);
+    this.drawer.draw(this.scene, this.view.camera);
     this.labels.place(this.view, this.width, this.height, this.shared.scale.value);
     if (this.answered) this.app.tell("drawn", this.answered);
     this.answered = 0;

@@ -4,6 +4,7 @@
 import { BufferAttribute, BufferGeometry, Color, GLSL3, Mesh, ShaderMaterial, type IUniform } from "three";
 
 import { refresh, room } from "./buffers";
+import { drawnBy } from "./drawn";
 import type { Shared } from "./shared";
 
 const VERTEX = /* glsl */ `
@@ -52,11 +53,20 @@ void main() {
 
 export interface SegmentLook { colour: Color; width: number; opacity?: number; through?: boolean; moves?: boolean; head?: number; }
 
+const NONE = new Float32Array(0);
+
 export class Segments {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
   readonly colour: IUniform<Color>;
-  private readonly moves: IUniform<number>;
-  private readonly width: IUniform<number>;
+  readonly moves: IUniform<number>;
+  readonly width: IUniform<number>;
+  readonly opacity: number;
+  readonly head: number;
+  readonly through: boolean;
+  points: Float32Array = NONE;
+  shifts: Float32Array = NONE;
+  pairs: ArrayLike<number> = [];
+  private stale = false;                             // the graphics card has what was before
   private count = 0;
 
   /** through: seen through surfaces. moves: with displacements. head: length of an arrow's head in pixels. */
@@ -64,6 +74,9 @@ export class Segments {
     this.colour = { value: look.colour };
     this.width = { value: look.width };
     this.moves = { value: look.moves === false ? 0 : 1 };
+    this.opacity = look.opacity ?? 1;
+    this.head = look.head ?? 0;
+    this.through = look.through === true;
     const geometry = new BufferGeometry();
     geometry.setDrawRange(0, 0);
     this.mesh = new Mesh(geometry, new ShaderMaterial({
@@ -71,11 +84,12 @@ export class Segments {
       depthTest: !look.through, side: 2,
       uniforms: {
         scale: shared.scale, size: shared.size, pixels: shared.pixels, colour: this.colour, moves: this.moves,
-        width: this.width, opacity: { value: look.opacity ?? 1 }, headLength: { value: look.head ?? 0 },
+        width: this.width, opacity: { value: this.opacity }, headLength: { value: this.head },
       },
     }));
     this.mesh.frustumCulled = false;
     this.mesh.matrixAutoUpdate = false;
+    drawnBy(this.mesh, this);
   }
 
   look(colour: Color, width: number): void {
@@ -85,7 +99,17 @@ export class Segments {
 
   /** Pieces between pairs of points; `pairs` are numbers of points, two each. */
   setPairs(points: Float32Array, shifts: Float32Array, pairs: ArrayLike<number>): void {
-    const count = pairs.length >> 1;
+    [this.points, this.shifts, this.pairs] = [points, shifts, pairs];
+    this.count = pairs.length >> 1;
+    this.mesh.visible = this.count > 0;
+    this.stale = true;
+  }
+
+  /** Fills what the graphics card draws. */
+  ready(): void {
+    if (!this.stale) return;
+    this.stale = false;
+    const { points, shifts, pairs, count } = this;
     const { geometry } = this.mesh;
     const begins = room(geometry, "begin", 4 * count, 3), ends = room(geometry, "end", 4 * count, 3);
     const beginShifts = room(geometry, "beginShift", 4 * count, 3), endShifts = room(geometry, "endShift", 4 * count, 3);
@@ -113,13 +137,14 @@ export class Segments {
     for (const name of ["begin", "end", "beginShift", "endShift"]) refresh(geometry, name, 4 * count);
     if ((geometry.index?.count ?? 0) < 6 * count) geometry.setIndex(new BufferAttribute(rectangles(2 * count), 1));
     geometry.setDrawRange(0, 6 * count);
-    this.count = count;
-    this.mesh.visible = count > 0;
   }
 
   get empty(): boolean { return this.count === 0; }
 
-  clear(): void { this.mesh.geometry.setDrawRange(0, 0); this.count = 0; this.mesh.visible = false; }
+  clear(): void {
+    [this.points, this.shifts, this.pairs, this.count] = [NONE, NONE, [], 0];
+    this.mesh.visible = false;
+  }
 
   dispose(): void {
     this.mesh.geometry.dispose();

@@ -4,6 +4,7 @@ import { BufferGeometry, Color, DoubleSide, GLSL3, Mesh, ShaderMaterial, type IU
 
 import type { ArrayPlace, Part } from "../protocol";
 import { refresh, room } from "./buffers";
+import { drawnBy } from "./drawn";
 import { addNormals } from "./normals";
 import type { Shared } from "./shared";
 import { SURFACE_FRAGMENT, SURFACE_VERTEX } from "./surface_shader";
@@ -20,17 +21,18 @@ export class Surface {
   cells = new Uint32Array(0);
   low = 0;
   high = 0;
-  private values: Float32Array = NONE;
-  private inCells = false;
+  values: Float32Array = NONE;
+  inCells = false;
   private normals: Float32Array = NONE;
-  private readonly tall: IUniform<number> = { value: 0 };
+  readonly tall: IUniform<number> = { value: 0 };
   private readonly whole: IUniform<number> = { value: 0 };
-  private element = 1;                               // triangles that show an element
-  private readonly coloured: IUniform<number> = { value: 0 };
-  private readonly glow: IUniform<number> = { value: 0 };
+  element = 1;                                       // triangles that show an element
+  readonly coloured: IUniform<number> = { value: 0 };
+  readonly glow: IUniform<number> = { value: 0 };
+  private readonly stale = { places: false, shifts: false, values: false, normals: false }; // on the graphics card
 
   /** lit: with light and shade, as in space. smooth: nodes have normals. colour: of what has no values. */
-  constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, private readonly wired: boolean, colour: Color) {
+  constructor(private readonly shared: Shared, private readonly lit: boolean, private readonly smooth: boolean, private readonly wired: boolean, readonly colour: Color) {
     const { scale, ends, map, size, glowing } = shared;
     const material = new ShaderMaterial({
       glslVersion: GLSL3, vertexShader: SURFACE_VERTEX, fragmentShader: SURFACE_FRAGMENT, side: DoubleSide,
@@ -43,13 +45,17 @@ export class Surface {
     this.mesh = new Mesh(new BufferGeometry(), material);
     this.mesh.frustumCulled = false;
     this.mesh.matrixAutoUpdate = false;
+    drawnBy(this.mesh, this);
     this.setWired();
   }
+
+  /** Whether edges of elements are drawn. */
+  get hasWires(): boolean { return this.wired && this.shared.wires; }
 
   /** Draws edges of elements where they are wanted. */
   setWired(): void {
     const { material } = this.mesh;
-    const element = this.wired && this.shared.wires ? this.element : 0;
+    const element = this.hasWires ? this.element : 0;
     if (material.defines["ELEMENT"] === element) return;
     material.defines["ELEMENT"] = element;
     if (element) material.defines["WIRED"] = "";
@@ -70,16 +76,34 @@ export class Surface {
       this.values = read((value ?? valueInCells)!) as Float32Array;
       this.inCells = !value;
     }
-    if (points ?? displacement ?? cells ?? value ?? valueInCells) this.fill(Boolean(points ?? cells), Boolean(displacement ?? points ?? cells));
+    if (points ?? cells) this.stale.places = this.stale.shifts = this.stale.values = true;
+    if (displacement) this.stale.shifts = true;
+    if (value ?? valueInCells) this.stale.values = true;
     if (part.range) [this.low, this.high] = part.range;
     else if (value ?? valueInCells) this.findRange();
   }
 
   /** Normals for the scale at which displacements are drawn. */
-  turnNormals(): void {
-    if (!this.smooth || !this.lit) return;
+  turnNormals(): void { this.stale.normals = true; }
+
+  /** Fills what the graphics card draws. */
+  ready(): void {
+    const { stale } = this;
+    if (stale.places || stale.shifts || stale.values) this.fill(stale.places, stale.shifts, stale.values);
+    if (stale.normals || stale.shifts) this.fillNormals();
+    stale.places = stale.shifts = stale.values = stale.normals = false;
+  }
+
+  /** Sums of normals at the nodes, for the scale at which displacements are drawn; null: faces are flat. */
+  sums(): Float32Array | null {
+    if (!this.smooth || !this.lit) return null;
     if (this.normals.length !== this.points.length) this.normals = new Float32Array(this.points.length);
     addNormals(this.normals, this.points, this.shifts, this.shared.scale.value, this.cells);
+    return this.normals;
+  }
+
+  private fillNormals(): void {
+    if (!this.sums()) return;
     const count = this.cells.length;
     scatter(room(this.mesh.geometry, "normal", count, 3), this.normals, this.cells);
     refresh(this.mesh.geometry, "normal", count);
@@ -104,7 +128,7 @@ export class Surface {
     this.setWired();
   }
 
-  private fill(places: boolean, shifts: boolean): void {
+  private fill(places: boolean, shifts: boolean, values: boolean): void {
     const { geometry } = this.mesh;
     const count = this.cells.length;
     if (places) {
@@ -116,9 +140,8 @@ export class Surface {
       if (this.hasShifts) scatter(all, this.shifts, this.cells);
       else all.fill(0);
       refresh(geometry, "shift", count);
-      this.turnNormals();
     }
-    this.fillValues(count);
+    if (values) this.fillValues(count);
     geometry.setDrawRange(0, count);
   }
 

@@ -1,6 +1,14 @@
 // How surfaces are drawn: place = rest + scale * displacement, colour of a value by a texture, edges of elements by the
 // barycentric coordinates of their triangles (WIRED), light from the eye in space (LIT).
 
+/** How white edges are: elements of a few pixels would be all edge. */
+const EDGE = { most: 0.38, begins: 1.33, fades: 5.5 };
+
+/** How white the edges of elements are that are so many pixels high: see `vWire`. */
+export function wireShare(pixels: number): number {
+  return EDGE.most * Math.min(Math.max(EDGE.begins - EDGE.fades / pixels, 0), 1);
+}
+
 export const SURFACE_VERTEX = /* glsl */ `
 in vec3 shift;
 in float worth;
@@ -41,9 +49,8 @@ void main() {
 #ifdef WIRED
   int corner = gl_VertexID % 3;
   vCorner = vec3(corner == 0, corner == 1, corner == 2) + innerSides();
-  // Elements of a few pixels would be all edge.
   float pixels = 0.5 * tall * projectionMatrix[1][1] * size.y / gl_Position.w;
-  vWire = 0.38 * clamp(1.33 - 5.5 / pixels, 0.0, 1.0);
+  vWire = ${EDGE.most} * clamp(${EDGE.begins} - ${EDGE.fades} / pixels, 0.0, 1.0);
 #endif
 }`;
 

@@ -54,9 +54,11 @@ export class Turning {
     this.target = selected && !held && ROLES.includes(selected.role) ? this.find(selected.name) : null;
     for (const kind of ["rotate", "scale"] as const) {
       const button = this.buttons[kind];
-      button.hidden = !this.target || !this.tools.may(kind);
-      button.setAttribute("aria-label", `${kind} ${selected?.name ?? ""}: drag, or arrow keys`);
-      button.title = `${kind} ${selected?.name ?? ""}`;
+      const hidden = !this.target || !this.tools.may(kind), title = `${kind} ${selected?.name ?? ""}`;
+      if (button.hidden !== hidden) button.hidden = hidden;
+      if (button.title === title) continue;
+      button.title = title;
+      button.setAttribute("aria-label", `${title}: drag, or arrow keys`);
     }
     this.scene.request();
   }

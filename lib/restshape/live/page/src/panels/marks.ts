@@ -17,7 +17,6 @@ export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels 
   let now: MarksByKind | null = null;
   const write = () => {
     if (!now) return;
-    group.draw(now.drawn);
     words.show(now.drawn);
     offers.show(now.offers);
     charts.show(now.charts);
@@ -27,6 +26,7 @@ export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels 
   app.on("frame", ({ header, read }) => {
     if (!header.marks) return;
     now = byKind(header.marks, read);
+    group.draw(now.drawn);                              // with the picture of their frame
     painter.soon(write);
   });
   return { offers: offers.body, charts: charts.body, sound: sound.body, words: words.body };

@@ -122,7 +122,7 @@ export function showNumbers(app: App, painter: Painter, chosen: (key: string) =>
     arrange(found, shown);
     more.textContent = rest ? `and ${rest} more: type words of their keys` : shown.length ? "" : "no number has these words in its key";
   };
-  search.addEventListener("input", () => painter.soon(show));
+  search.addEventListener("input", show);
   app.on("welcome", show);
   const refuse = () => { for (const line of lines.values()) line.refuse(); };
   const answer = (id: number, why: string) => {

@@ -1,12 +1,14 @@
-// What the panels write, at most once in a frame of the display: all that is short, and one of the longer drawings.
+// What the page writes beside the picture, at most ten times a second: nobody reads faster, and each time the browser lays
+// the page out and paints it.
+
+const PACE = 100;                                       // [ms] between two turns
+const ROOM = 6;                                         // [ms] of a turn in which drawings begin
 
 export class Painter {
   private readonly short = new Set<() => void>();
   private readonly long = new Set<() => void>();
   private asked = false;
-  /** [ms] that the last turn took, and the longest one. */
-  last = 0;
-  longest = 0;
+  private turned = -Infinity;
 
   /** A write that costs little, such as of texts. */
   soon(write: () => void): void {
@@ -14,31 +16,31 @@ export class Painter {
     this.ask();
   }
 
-  /** A drawing that costs more: one of them is made in each frame of the display, in turn. */
+  /** A drawing that costs more: where a turn has no room for all, the rest waits for the next one. */
   inTurn(drawing: () => void): void {
     this.long.add(drawing);
     this.ask();
   }
 
+  /** Writes all at once, such as before somebody keeps what is seen. */
+  now(): void { this.turn(Infinity); }
+
   private ask(): void {
     if (this.asked) return;
     this.asked = true;
-    requestAnimationFrame(() => this.turn());
+    setTimeout(() => { this.asked = false; this.turn(ROOM); }, Math.max(this.turned + PACE - performance.now(), 0));
   }
 
-  private turn(): void {
-    this.asked = false;
-    const begun = performance.now();
+  private turn(room: number): void {
+    const begun = this.turned = performance.now();
     const writes = [...this.short];
     this.short.clear();
     for (const write of writes) write();
-    const [drawing] = this.long;
-    if (drawing) {
+    for (const drawing of [...this.long]) {
       this.long.delete(drawing);
       drawing();
+      if (performance.now() - begun > room) break;
     }
-    this.last = performance.now() - begun;
-    this.longest = Math.max(this.longest, this.last);
     if (this.long.size) this.ask();
   }
 }

@@ -10,7 +10,7 @@ import { showLog } from "./log";
 import { showLook } from "./look";
 import { showMarks } from "./marks";
 import { showNumbers } from "./numbers";
-import { Painter } from "./painter";
+import type { Painter } from "./painter";
 import { showPlayer } from "./player";
 import { Plots } from "./plots";
 import { showQuantities } from "./quantities";
@@ -19,9 +19,8 @@ import { showScript } from "./script_list";
 import type { Stage } from "./stage";
 import { showThings } from "./things";
 
-/** Puts all panels into the page. Gives what tells when and how long they write. */
-export function showPanels(app: App, stage: Stage): Painter {
-  const painter = new Painter();
+/** Puts all panels into the page. */
+export function showPanels(app: App, stage: Stage, painter: Painter): void {
   const plots = new Plots(app, painter);
   const quantities = showQuantities(app, painter, (name, on) => plots.choose(name, on));
   const marks = showMarks(app, stage, painter);
@@ -41,7 +40,6 @@ export function showPanels(app: App, stage: Stage): Painter {
   put("player", showPlayer(app));
   put("stage", showBusy(app));
   showWhatThereIs(app);
-  return painter;
 }
 
 /** Nothing is shown before the first frame, and then no panel that has nothing in it. */

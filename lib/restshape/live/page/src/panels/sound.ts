@@ -48,6 +48,7 @@ export class Sound {
     const tone = tones[0] ?? null;
     if (this.body.hidden === (tone !== null)) this.body.hidden = tone === null;
     if (!tone) { this.stage.setLines(MALLET, null); return; }
+    this.player.prepare();
     const before = this.tone;
     this.tone = tone;
     this.text.set(toneText(tone));

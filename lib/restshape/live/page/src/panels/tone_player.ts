@@ -11,11 +11,19 @@ export class TonePlayer {
   private master: GainNode | null = null;
   private sounding: GainNode | null = null;
   private volume = 0.7;
+  private wanted = false;
   muted = false;
 
   constructor() {
-    const wake = () => void this.wake();
+    const wake = () => { if (this.wanted) void this.wake(); };
     for (const gesture of ["pointerdown", "keydown"]) addEventListener(gesture, wake, { capture: true, passive: true });
+  }
+
+  /** There are tones: from now on a gesture lets them sound, or one that was made. Without any the browser keeps no sound running. */
+  prepare(): void {
+    if (this.wanted) return;
+    this.wanted = true;
+    if (navigator.userActivation?.hasBeenActive) void this.wake();
   }
 
   /** Whether the browser lets it sound. */
