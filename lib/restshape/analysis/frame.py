@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.mesh.lagrange_space import EdgeInterpolation, LagrangeSpace, interpolated
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.reach import MovingPart
 from restshape.scene.model import Scene
 
 
@@ -21,6 +22,7 @@ class Frame:
         hand: the gesture, and the place of the hand in its coordinates.
         interpolations: second order: what flips did to nodes in the middle of edges of the mesh solved on last.
         edit_ended: an edit has come to its end in this frame, or before it.
+        part: what alone moves, and has flips, for as long as it is the same; None: everything.
     """
 
     mesh: Mesh | LagrangeSpace
@@ -30,6 +32,7 @@ class Frame:
     hand: tuple[object, tuple[float, float]]
     interpolations: tuple[EdgeInterpolation, ...] = ()
     edit_ended: bool = False
+    part: MovingPart | None = None
 
     def interpolate(self, field: np.ndarray) -> np.ndarray:
         """A field (n, f) of the last frame's solution, at nodes of flipped edges taken where they are now."""

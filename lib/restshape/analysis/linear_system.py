@@ -1,5 +1,7 @@
 """The linear system of a frame: operator, right side and solution on one mesh."""
 
+from collections.abc import Callable
+
 import numpy as np
 from petsc4py import PETSc
 
@@ -26,7 +28,7 @@ class LinearSystem:
         rows: this rank's, of all n f unknowns.
         right: (n, f) right side, full: (n f,) solution, of all nodes; b, solution: PETSc's vectors of this rank's rows.
         places: (m, d) this rank's nodes [m].
-        mat: as it was assembled last.
+        late: assembles the matrix and the vectors when `mat` is asked for; None: they are as they should be.
     """
 
     def __init__(self, comm: PETSc.Comm, problem: SteadyProblem, backend: str | None, traits: Traits) -> None:
@@ -44,7 +46,20 @@ class LinearSystem:
         self.b = PETSc.Vec().createWithArray(self.right.ravel()[rows], size=size, comm=comm)
         self.solution = PETSc.Vec().createWithArray(self.full[rows], size=size, comm=comm)
         self.places = problem.space.dof_X[rows.start // fields : rows.stop // fields]
-        self.mat: PETSc.Mat | None = None
+        self.late: Callable[[], PETSc.Mat] | None = None
+        self._mat: PETSc.Mat | None = None
+
+    @property
+    def mat(self) -> PETSc.Mat | None:
+        """The matrix of the last solve; of one of a part alone it is assembled now."""
+        if self.late is not None:
+            late, self.late = self.late, None
+            self._mat = late()
+        return self._mat
+
+    @mat.setter
+    def mat(self, mat: PETSc.Mat) -> None:
+        self.late, self._mat = None, mat
 
     def gather(self) -> None:
         """Fill `full` with all ranks' rows of the solution."""

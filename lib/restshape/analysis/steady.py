@@ -2,7 +2,7 @@
 
 # More than 15 modules: here problem, operator, solver, guesses and estimates of a frame meet, a module each.
 import logging
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -19,10 +19,13 @@ from restshape.analysis.correction import correction, gathered, preconditioner
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
+from restshape.analysis.late_array import LateArray
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
+from restshape.analysis.part_solves import PartSolves
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
+from restshape.analysis.substructure import Substructure
 from restshape.analysis.time_error import StepMatrix
 from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
@@ -69,7 +72,7 @@ class SteadyState(Generic[P]):
         plan: which effects are on.
         scene: whose values it is for.
         bound: None before the first frame.
-        x: (n, f) unknowns.
+        x: (n, f) unknowns; those of a part that does not move may be found when they are asked for.
         topology, geometry: versions of the space that they were found at; -1: on none.
         scale: what residuals are measured against; None: the right side.
         predicted: the unknowns are a prediction.
@@ -79,7 +82,7 @@ class SteadyState(Generic[P]):
     plan: Plan
     scene: Scene
     bound: BoundProblem[P] | None = None
-    x: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    x: LateArray = LateArray()
     topology: int = -1
     geometry: int = -1
     scale: float | None = None
@@ -133,6 +136,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         self.state: SteadyState[P] = SteadyState(plan, scene)
         self.guess = Guess(context.policy.extrapolate, context.policy.warm)
         self.solver = self._make_solver(scene)
+        self.parts = PartSolves(context, lambda: self._make_solver(scene))
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
@@ -185,6 +189,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         mesh, before = frame.mesh, self.state
         new_mesh, new_scene = mesh is not before.mesh, before.interrupted or frame.scene is not before.scene
         if not (new_mesh or new_scene or mesh.topology != before.topology or mesh.geometry != before.geometry):
+            # A hand that takes hold finds the rest condensed.
+            self._part(frame)
             self.solver.age += 1
             return LinearReport(0, False, self.solver.age, self.solver.name)
         try:
@@ -193,7 +199,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
             if not new_mesh and mesh.topology != before.topology:
                 with self.context.stages("pattern"):
                     self._flip(frame)
-            return self._solve(frame, new_mesh)
+            part = None if new_mesh else self._part(frame)
+            return self._solve(frame, new_mesh) if part is None else self._solve_part(frame, part)
         except (ReplayProblem, UserError):
             self.state = replace(before, interrupted=True)
             raise
@@ -265,6 +272,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
     def residual_norm(self) -> float:
         """The true residual over the right side, or over internal forces where supports move."""
         state = self.state
+        if self.parts.solved is state and self.parts.found is not None:
+            return self.parts.found.residual()
         if not state.predicted:
             return true_residual(state.system.mat, state.system.b, state.system.solution, state.scale)
         problem, boundary = state.problem, state.problem.boundary
@@ -395,6 +404,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         state, space = self.state, self.state.problem.space
         changed = space.follow(frame.changed_cells)
         state.system.operator.patch(0, changed)
+        self.parts.flip(changed, bool(frame.interpolations))
         block = state.problem.blocks()[0]
         self.solver.flip((block[1] if isinstance(block, tuple) else block)[changed])
         if frame.interpolations:
@@ -430,6 +440,45 @@ class SteadyAnalysis(Timeless, Generic[P]):
         mesh = frame.mesh
         self.state = SteadyState(state.plan, frame.scene, state.bound, x, mesh.topology, mesh.geometry, scale)
         return report
+
+    def _part(self, frame: Frame) -> Substructure | None:
+        """What solves for the part that alone has moved; None where the whole is to be solved for."""
+        if frame.part is None or self.solver.on_solve is not None:
+            return None
+        known, system = self.parts.found, self.state.system
+        found = self.parts.of(frame.part, self.state.problem, system.operator)
+        if found is not None and found is not known:
+            # Its values were those of the cells that stay.
+            system.late = self._assemble_late
+        return found
+
+    def _solve_part(self, frame: Frame, part: Substructure) -> LinearReport:
+        """Solve for the part that has moved alone; what else there is of the frame is found where it is asked for."""
+        state, system, mesh = self.state, self.state.system, frame.mesh
+        with self.context.stages("values"):
+            dead_loads(state.problem, system.right)
+        last = None if self.parts.solved is state else state.x
+        report = part.solve(last, system.right, frame.hand, state.scale)
+        system.late = self._assemble_late
+        self.guess.restart()
+        self.state = replace(
+            state, scene=frame.scene, x=part.unknowns(), topology=mesh.topology, geometry=mesh.geometry,
+            scale=part.scale, predicted=False, interrupted=False,
+        )
+        self.parts.solved = self.state
+        return report
+
+    def _assemble_late(self) -> PETSc.Mat:
+        """The matrix of the whole where a part alone was solved for; right side and solution follow it."""
+        state = self.state
+        problem, system = state.problem, made(state.bound).system
+        dead_loads(problem, system.right)
+        mat = Assembled(problem.integrals(INTERNAL), system.operator).system(problem.boundary.values, system.right)
+        np.subtract(state.x, problem.boundary.values, out=system.full.reshape(state.x.shape))
+        system.full[problem.boundary.constrained] = 0.0
+        system.b.stateIncrease()
+        system.solution.stateIncrease()
+        return mat
 
     def _converge(self, new_system: bool, patched: bool) -> tuple[LinearReport, np.ndarray, float | None]:
         """Solve until the residual is small against the loads, or against internal forces where supports move.

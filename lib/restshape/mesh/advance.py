@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.reach import MovingPart
 
 NO_CELLS = np.empty(0, dtype=np.int32)
 
@@ -22,6 +23,7 @@ class MeshUpdate:
         old_mesh: level 3, and level 2 of nested meshes, of which flips make others: the mesh of the fields before,
             where it could be relocated to the new shape, else as it lay.
         stages: seconds spent in "relocate", "map", "flip" and "mesh".
+        part: what alone moves while it is the same, where it is worth being solved for by itself; None: everything.
     """
 
     level: int
@@ -30,6 +32,7 @@ class MeshUpdate:
     min_quality: float
     old_mesh: Mesh | LagrangeSpace | None = None
     stages: dict[str, float] = field(default_factory=dict)
+    part: MovingPart | None = None
 
     @classmethod
     def nothing(cls, min_quality: float = float("nan")) -> "MeshUpdate":

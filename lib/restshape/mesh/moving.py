@@ -21,6 +21,7 @@ from restshape.mesh.moved_meshes import OtherMesh, compared_meshes
 from restshape.mesh.moving_state import Generated, GestureMap, Kept, KeptMesh, MovingState
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
+from restshape.mesh.reach import MovingPart, moving_part, reaching_motion
 from restshape.mesh.relocate import BoundaryNodes, extension, motion
 from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
 from restshape.outputs.si_numbers import counted
@@ -53,6 +54,8 @@ REASONS = {
     "none": "elements of another order",
 }
 """Why there is a new mesh after a change of that kind, for the log."""
+
+NO_TRIANGLES = np.empty((0, 3), dtype=np.int32)
 
 IDLE = {
     "refused": "the edit is refused",
@@ -207,9 +210,42 @@ class MovingMesh:
             Psi = np.zeros((2, *self.mesh.X.shape))
         else:
             boundary = self._boundary
-            Psi = motion(self.mesh, boundary.basis(self.mesh.outline, basis), self.relocation, boundary.nodes)
+            moved, reach = boundary.basis(self.mesh.outline, basis), self.reach
+            if reach is not None:
+                known = replace(known, part=self._part_within(reach, moved))
+            if known.part is None:
+                Psi = motion(self.mesh, moved, self.relocation, boundary.nodes)
+            else:
+                Psi = reaching_motion(self.mesh, moved, known.part, boundary)
         self.state = replace(self.state, map=replace(known, Psi=Psi))
         return Psi
+
+    @property
+    def reach(self) -> float | None:
+        """The distance [m] within which nodes follow what the hand holds; None: all of them do."""
+        return self.spec.reach if self.relocation == "harmonic" else None
+
+    @property
+    def part(self) -> MovingPart | None:
+        """What alone moves in the gesture in force; None: everything."""
+        return None if self.state.map is None else self.state.map.part
+
+    @property
+    def _condensed(self) -> MovingPart | None:
+        """The same, where it is worth being solved for by itself."""
+        part = self.part
+        return part if part is not None and part.condensed and not self.nested else None
+
+    def _part_within(self, reach: float, moved: np.ndarray) -> MovingPart:
+        """What moves with the displacements (2, nb, d) of the nodes on the outline."""
+        generated, boundary = self._generated, self._boundary
+        held = boundary.nodes[moved.any(axis=(0, 2))]
+        floors = generated.area_floor, generated.quality_floor
+        part = moving_part(self.mesh, held, boundary.nodes, reach, floors)
+        how = "the rest is condensed" if part.condensed and not self.nested else "the whole is solved for"
+        moving = f"{counted(len(part.nodes), 'node')} of {len(self.mesh.X)} ({100 * part.share:.3g} %)"
+        log.info("Reach %g m: %s move; %s", reach, moving, how)
+        return part
 
     @property
     def field_motion(self) -> np.ndarray:
@@ -334,6 +370,7 @@ class MovingMesh:
         mesh_update = MeshUpdate.nothing(self.min_quality)
         if frame.do in ("press", "pull") and frame.gesture is not None and not self.regenerate:
             self._begin_gesture(frame, mesh_update.stages)
+            mesh_update.part = self._condensed
         return mesh_update
 
     def _follow(self, frame: EditFrame) -> MeshUpdate:
@@ -374,7 +411,7 @@ class MovingMesh:
             log.debug("%4d Mesh level 1: nodes relocated; %s; least quality %.3g", frame.index, reason, placement[0])
         self.state = self.state.placed(frame.c, placement[0])
         if not self.nested:
-            return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages)
+            return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages, self._condensed)
         self.nested.stamp()
         old = self._former() if flips else None
         return MeshUpdate(2 if flips else 1, flips, self.nested.cells_in(changed), placement[0], old, stages)
@@ -427,6 +464,9 @@ class MovingMesh:
             return _kernels.relax_and_check(
                 known.reference, Psi, c0, c1, mesh.X, mesh.cells, mesh.edge_nodes, fixed, SWEEPS, *floors
             )
+        if known.part is not None:
+            _kernels.move_and_check(known.reference, Psi, c0, c1, mesh.X, NO_TRIANGLES, *floors)
+            return known.part.check(mesh, *floors)
         return _kernels.move_and_check(known.reference, Psi, c0, c1, mesh.X, mesh.cells, *floors)
 
     def _mend(
@@ -436,16 +476,17 @@ class MovingMesh:
         start = perf_counter()
         X, flips, changed = self.mesh.X, 0, NO_CELLS
         made(self._kept).connectivity = {name: getattr(self.mesh, name).copy() for name in CONNECTIVITY}
+        reconnection = self._generated.reconnection(self.part)
         if placement[1]:
             self._restore_positions()
-            flips, changed = self._generated.reconnection.flip(X)
+            flips, changed = reconnection.flip(X)
             if flips:
                 self._reconnect(changed)
                 placement = self._place(frame)
         for _ in range(ROUNDS):
             if placement[1] or not placement[2]:
                 break
-            more, cells = self._generated.reconnection.flip(X, self._generated.flip_floor)
+            more, cells = reconnection.flip(X, self._generated.flip_floor)
             if not more:
                 break
             self._reconnect(cells)

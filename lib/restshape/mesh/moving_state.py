@@ -10,6 +10,7 @@ from restshape.mesh.advance import CONNECTIVITY
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.nested import NestedMesh
+from restshape.mesh.reach import MovingPart
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import BoundaryNodes, Extension
 from restshape.scene.model import MeshSpec, Scene
@@ -51,10 +52,15 @@ class Generated:
         fixed[self.boundary.nodes] = 1
         return fixed
 
-    @cached_property
-    def reconnection(self) -> Reconnection:
-        """What flips edges; made at the first flip, for many meshes never see one."""
-        return Reconnection(self.mesh)
+    def reconnection(self, part: MovingPart | None) -> Reconnection:
+        """What flips edges, of a part alone where one is given; made at the first flip, for many meshes see none."""
+        known = self.__dict__.get("_reconnection")
+        if known is None or known[0] is not part:
+            # One knows nothing of the flips of another.
+            known = part, Reconnection(self.mesh, None if part is None else part.held_edges(self.mesh))
+            self.__dict__["_reconnection"] = known
+        made: Reconnection = known[1]
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +72,7 @@ class GestureMap:
         reference: (n, d) nodes [m] at the coefficients `c`.
         Psi: (2, n, d) their displacements a unit of the coefficients; None: not made yet.
         extend: of gestures that are not linear, makes displacements of all nodes from those on the outline.
+        part: what alone moves, where drags have a reach; None: everything, or it is not known yet.
     """
 
     gesture: Gesture | None
@@ -73,6 +80,7 @@ class GestureMap:
     c: tuple[float, float]
     Psi: np.ndarray | None = None
     extend: Extension | None = None
+    part: MovingPart | None = None
 
 
 @dataclass(frozen=True, eq=False)

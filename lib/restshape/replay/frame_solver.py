@@ -119,7 +119,16 @@ class FrameSolver:
             stays = mesh_update.level < 3 and mesh_update.old_mesh is None and not interpolations
             prediction.start(edit, stays)
         report = analysis.solve(
-            Frame(mesh, changed, mesh_update.old_mesh, edit.scene, hand, interpolations, edit.edit_ended)
+            Frame(
+                mesh,
+                changed,
+                mesh_update.old_mesh,
+                edit.scene,
+                hand,
+                interpolations,
+                edit.edit_ended,
+                mesh_update.part,
+            )
         )
         self.solved = self.known = True
         self.moving.solved()

@@ -266,6 +266,11 @@ class Load(Strict):
         return self
 
 
+def _read_reach(raw: object) -> object:
+    """A length, or nothing for "auto"."""
+    return None if raw == "auto" else raw
+
+
 class MeshSpec(Strict):
     """``[mesh]``: how fine, of which order (left out, the effects decide), and how it follows the shape.
 
@@ -280,6 +285,7 @@ class MeshSpec(Strict):
         order: element order; left out, as the effects decide.
         layers: layers of tetrahedra over the thickness; left out, as thickness and modes decide.
         relocation: how nodes follow the outline.
+        reach: distance within which nodes follow what the hand moves of the outline; "auto": all of them do.
         criterion: the measure of triangles by which they flip and meshes are rebuilt.
         min_quality: the quality below which a mesh is rebuilt.
         mesher: the program that makes meshes.
@@ -294,6 +300,7 @@ class MeshSpec(Strict):
     order: Literal[1, 2] | None = None
     layers: Annotated[Whole, Field(ge=1)] | None = None
     relocation: Literal["harmonic", "pmvc", "mvc", "laplacian"] = "harmonic"
+    reach: Annotated[Annotated[Length, Field(gt=0)] | None, BeforeValidator(_read_reach)] = None
     criterion: Literal["quality", "author"] = "quality"
     min_quality: Annotated[Number, Field(gt=0, lt=1)] = 0.3
     mesher: Literal["auto", "cgal", "gmsh"] = "auto"
