@@ -138,7 +138,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         self.solver = self._make_solver(scene)
         self.parts = PartSolves(context, lambda: self._make_solver(scene))
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
-        self._observed: tuple[np.ndarray | None, BoundProblem[P] | None, dict[str, float]] = (None, None, {})
+        self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)
         self._missing: tuple[object, np.ndarray | None] = (None, None)
 
@@ -231,7 +231,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
     @property
     def unknowns(self) -> int:
         """Unknowns of the linear system, prescribed ones included."""
-        return self.state.x.size
+        bound = self.state.bound
+        return 0 if bound is None else bound.problem.boundary.mask.size
 
     @property
     def tolerance(self) -> float:
@@ -241,9 +242,15 @@ class SteadyAnalysis(Timeless, Generic[P]):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution, evaluated once a solution."""
         state = self.state
-        if self._observed[0] is not state.x or self._observed[1] is not state.bound:
-            self._observed = (state.x, state.bound, state.observer(state.x))
-        return self._observed[2]
+        if self._observed[0] is not state:
+            self._observed = (state, state.observer(self._observed_unknowns(state)))
+        return self._observed[1]
+
+    def _observed_unknowns(self, state: SteadyState[P]) -> np.ndarray:
+        """The unknowns (n, f), of which those hold that quantities hang on."""
+        part = self.parts.found if self.parts.solved is state else None
+        nodes = state.observer.reads if part is not None else None
+        return state.x if part is None or nodes is None else part.at(nodes)
 
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""

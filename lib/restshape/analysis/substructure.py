@@ -20,7 +20,7 @@ from restshape.fem.problem import INTERNAL, SteadyProblem
 TIGHTER = 1e-2
 """Residuals of the part over those that a solve of the whole would leave: its iterations are cheap, and noise in the
 border's unknowns would make each frame's way of the border a new one."""
-LEFT_OUT = 0.25
+LEFT_OUT = 0.9
 """Part of the residual that is allowed, which the unknowns of the rest may have."""
 
 
@@ -36,7 +36,8 @@ class ChangingPart:
         nodes: (m,) rows of the unknowns of these cells, ascending.
         entities: of each block those that change; fixed: those that do not.
         geometry, dofs: of those that change, the nodes of X, and rows among `nodes`, int32.
-        border: free unknowns of `nodes` that cells have that stay, among the m f; rest: free ones of all n f beside.
+        local: (n,) rows of unknowns in `nodes`, -1 where they are of the rest; place: in that, of those that are.
+        border: free unknowns of `nodes` that cells have that stay, among the m f; rest: all others of all n f.
     """
 
     def __init__(self, blocks: Sequence[Block], mask: np.ndarray, cells: np.ndarray) -> None:
@@ -55,14 +56,15 @@ class ChangingPart:
         self.entities = [np.flatnonzero(one).astype(np.int32) for one in chosen]
         self.fixed = [np.flatnonzero(~one).astype(np.int32) for one in chosen]
         self._pairs = pairs
-        self._local = np.full(n, -1, dtype=np.int32)
-        self._local[self.nodes] = np.arange(len(self.nodes))
+        self.local = np.full(n, -1, dtype=np.int32)
+        self.local[self.nodes] = np.arange(len(self.nodes))
         self.geometry = [np.ascontiguousarray(k[e], dtype=np.int32) for (k, _), e in zip(pairs, self.entities)]
-        self.dofs = [np.ascontiguousarray(self._local[k[e]]) for (_, k), e in zip(pairs, self.entities)]
+        self.dofs = [np.ascontiguousarray(self.local[k[e]]) for (_, k), e in zip(pairs, self.entities)]
         free = mask == 0
         own = free[self.nodes] & shared[self.nodes][:, None]
         self.border = np.flatnonzero(own)
-        self.rest = np.flatnonzero((free & ~touched[:, None]).ravel())
+        self.place = np.cumsum(~touched) - 1
+        self.rest = np.flatnonzero(np.repeat(~touched, fields))
         self.border_rows = (self.nodes[:, None] * fields + np.arange(fields)).ravel()[self.border]
         self.border_nodes = np.unique(self.border // fields).astype(np.int32)
 
@@ -72,7 +74,7 @@ class ChangingPart:
         if (found == len(self.entities[0])).any() or (self.entities[0][found] != changed).any():
             return None
         (places, rows), entities = self._pairs[0], self.entities[0][found]
-        self.geometry[0][found], self.dofs[0][found] = places[entities], self._local[rows[entities]]
+        self.geometry[0][found], self.dofs[0][found] = places[entities], self.local[rows[entities]]
         return found.astype(np.int32)
 
 
@@ -116,6 +118,7 @@ class Substructure:
             PETSc.Vec().createWithArray(array, size=(count, count), comm=whole.comm)
             for array in (self._right, self._found)
         )
+        self._some = np.zeros(mask.shape)
         self._new, self._patched, self._norm = True, False, 0.0
         self.scale: float | None = None
         self._force, self._alone, self._taken = np.empty(0), np.empty(0), np.empty(0)
@@ -141,7 +144,7 @@ class Substructure:
         first, columns, entries = mat.getValuesCSR()
         order = np.concatenate([part.rest, part.border_rows])
         chosen = sp.csr_matrix((entries, columns, first), shape=mat.getSize())[order][:, order]
-        return Condensation(sp.csr_matrix(chosen), len(part.border))
+        return Condensation(sp.csr_matrix(chosen), len(part.border), values.shape[1])
 
     def _reduced_operator(self, mask: np.ndarray, backend: str | None) -> Operator:
         part, traits = self.part, self.solver.traits
@@ -260,10 +263,21 @@ class Substructure:
         def recover() -> np.ndarray:
             x = prescribed
             x[part.nodes] += found.reshape(-1, x.shape[1])
-            x.ravel()[part.rest] = alone + rest.following(found[part.border], allowed)
+            x.ravel()[part.rest] += alone + rest.following(found[part.border], allowed)
             return x
 
         return recover
+
+    def at(self, nodes: np.ndarray) -> np.ndarray:
+        """Unknowns (n, f) of the last solve that hold at nodes (k,) alone, at others anything; not to be kept."""
+        part, x, found = self.part, self._some, self._found.reshape(-1, self._some.shape[1])
+        prescribed, local = self.problem.boundary.values, part.local[nodes]
+        near, far = nodes[local >= 0], nodes[local < 0]
+        x[near] = prescribed[near] + found[local[local >= 0]]
+        rows = (part.place[far][:, None] * x.shape[1] + np.arange(x.shape[1])).ravel()
+        follows = self._rest.following(self._found[part.border], self._allowed, rows) + self._alone[rows]
+        x[far] = prescribed[far] + follows.reshape(-1, x.shape[1])
+        return x
 
     @property
     def _allowed(self) -> float:

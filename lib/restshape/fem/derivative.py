@@ -37,10 +37,17 @@ class Differentiable:
     Args:
         value: of the state.
         derivative: at unknowns (n, f) that solve a linear problem.
+        nodes: gives those (k,) whose unknowns alone it hangs on; None: it may hang on all.
     """
 
     value: Function
     derivative: Callable[[np.ndarray], Derivative]
+    nodes: Callable[[], np.ndarray] | None = None
+
+    @property
+    def reads(self) -> np.ndarray | None:
+        """These nodes, by the present cells."""
+        return None if self.nodes is None else self.nodes()
 
     def __call__(self, *state: object) -> float:
         """The value at a state."""
@@ -79,7 +86,7 @@ def nodal_quantity(
             load[nodes, column] = slopes[:, k]
         return Derivative(load)
 
-    return Differentiable(value, derivative)
+    return Differentiable(value, derivative, None if isinstance(nodes, slice) else lambda: nodes)
 
 
 def reaction_lift(

@@ -39,6 +39,11 @@ class Extreme:
         """The value at a state."""
         return self.value(*state)
 
+    @property
+    def reads(self) -> np.ndarray | None:
+        """Nodes (k,) whose unknowns alone it hangs on; None: it may hang on all."""
+        return None if isinstance(self.nodes, slice) else self.nodes
+
     def between_nodes(self, x: np.ndarray) -> float:
         """The extreme of unknowns x (n, f), in the sides or triangles of second order around the node that has it."""
         reduce = REDUCTIONS[str(self.quantity.reduce)]

@@ -92,6 +92,13 @@ class Observer:
         """All quantities at a state."""
         return {name: self._value(name, function, state) for name, function in self.functions.items()}
 
+    @property
+    def reads(self) -> np.ndarray | None:
+        """Nodes (k,), ascending, whose unknowns alone the quantities hang on; None: some may hang on all."""
+        found = [getattr(function, "reads", None) for function in self.functions.values()]
+        known = [nodes for nodes in found if nodes is not None]
+        return np.unique(np.concatenate(known)) if known and len(known) == len(found) else None
+
     def begin(self) -> None:
         """Forget the peaks: a new frame begins."""
         self._peaks.clear()

@@ -242,9 +242,8 @@ class MovingMesh:
         held = boundary.nodes[moved.any(axis=(0, 2))]
         floors = generated.area_floor, generated.quality_floor
         part = moving_part(self.mesh, held, boundary.nodes, reach, floors)
-        how = "the rest is condensed" if part.condensed and not self.nested else "the whole is solved for"
         moving = f"{counted(len(part.nodes), 'node')} of {len(self.mesh.X)} ({100 * part.share:.3g} %)"
-        log.info("Reach %g m: %s move; %s", reach, moving, how)
+        log.info("Reach %g m: %s move%s", reach, moving, "" if part.condensed else ": the whole is solved for")
         return part
 
     @property

@@ -76,6 +76,7 @@ class PlaneQuantities:
             return Differentiable(
                 value,
                 lambda x: Derivative(np.zeros_like(x), reaction_lift(self.solid.boundary.mask, nodes, column)),
+                lambda: np.unique(self.space.cells[self._cells(name, nodes)]),
             )
         if quantity.stress:
             return self._stress(quantity, nodes)
