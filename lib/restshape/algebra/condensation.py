@@ -1,4 +1,4 @@
-"""The part of a linear system that stays, condensed onto its border: a Schur complement, and what follows the border."""
+"""What stays of a linear system, condensed onto its border: a Schur complement, and what follows the border."""
 
 from collections.abc import Callable
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -30,3 +31,7 @@ class LateArray:
 def _none() -> np.ndarray:
     """No unknowns."""
     return np.zeros((0, 2))
+
+
+LATE: Any = LateArray()
+"""The value that a dataclass gives such an attribute, which it declares as an array."""

@@ -11,7 +11,6 @@ from restshape.algebra.linear import LinearSolver
 from restshape.analysis.guess import Guess
 from restshape.analysis.substructure import Substructure
 from restshape.errors import ReplayProblem
-from restshape.fem.integral import Integral
 from restshape.fem.problem import INTERNAL, SteadyProblem
 
 if TYPE_CHECKING:
@@ -104,6 +103,6 @@ class PartSolves:
             return "its equations are not linear, symmetric and definite"
         if problem.boundary.sliding is not None:
             return "unknowns slide along edges"
-        if any(not isinstance(one, Integral) or one.block is None for one in problem.integrals(INTERNAL)):
+        if any(one.block is None for one in problem.integrals(INTERNAL)):
             return "some of its forces belong to no cells"
         return ""

@@ -3,7 +3,7 @@
 # More than 15 modules: here problem, operator, solver, guesses and estimates of a frame meet, a module each.
 import logging
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
+from typing import Generic, TypeVar, cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -19,7 +19,7 @@ from restshape.analysis.correction import correction, gathered, preconditioner
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
-from restshape.analysis.late_array import LateArray
+from restshape.analysis.late_array import LATE
 from restshape.analysis.linear_system import LinearSystem, auxiliary_solve
 from restshape.analysis.part_solves import PartSolves
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
@@ -82,7 +82,7 @@ class SteadyState(Generic[P]):
     plan: Plan
     scene: Scene
     bound: BoundProblem[P] | None = None
-    x: LateArray = LateArray()
+    x: np.ndarray = LATE
     topology: int = -1
     geometry: int = -1
     scale: float | None = None
@@ -469,8 +469,14 @@ class SteadyAnalysis(Timeless, Generic[P]):
         system.late = self._assemble_late
         self.guess.restart()
         self.state = replace(
-            state, scene=frame.scene, x=part.unknowns(), topology=mesh.topology, geometry=mesh.geometry,
-            scale=part.scale, predicted=False, interrupted=False,
+            state,
+            scene=frame.scene,
+            x=cast(np.ndarray, part.unknowns()),
+            topology=mesh.topology,
+            geometry=mesh.geometry,
+            scale=part.scale,
+            predicted=False,
+            interrupted=False,
         )
         self.parts.solved = self.state
         return report

@@ -1,4 +1,4 @@
-"""A linear problem of which only some cells change: their unknowns and the border's are solved for, the rest follows."""
+"""A linear problem of which some cells alone change: their unknowns are solved for, those of the rest follow."""
 
 from __future__ import annotations
 
@@ -129,22 +129,30 @@ class Substructure:
         return self.solver.tolerance
 
     def _integrals(self) -> list[Integral]:
-        return [cast(Integral, one) for one in self.problem.integrals(INTERNAL)]
+        return list(self.problem.integrals(INTERNAL))
 
     def _condense(self, whole: Operator, values: np.ndarray) -> Condensation:
         """Assemble the cells that stay, and condense them."""
         part = self.part
-        terms = []
-        for integral in self._integrals():
-            block, element, X, x, parameters, *rest = integral.term(values)
-            some = part.fixed[cast(int, block)]
-            if len(some):
-                terms.append((CellSubset(cast(int, block), some), element, X, x, _rows(parameters, some), *rest))
+        terms = self._terms(values, part.fixed, lambda block, some: CellSubset(block, some))
         mat = whole.assemble(terms, self._fixed_right.ravel())
         first, columns, entries = mat.getValuesCSR()
         order = np.concatenate([part.rest, part.border_rows])
         chosen = sp.csr_matrix((entries, columns, first), shape=mat.getSize())[order][:, order]
         return Condensation(sp.csr_matrix(chosen), len(part.border), values.shape[1])
+
+    def _terms(
+        self, x: np.ndarray, some: list[np.ndarray], block_of: Callable[[int, np.ndarray], int | CellSubset]
+    ) -> list[MatrixTerm]:
+        """The integrals over some entities of each block, at unknowns x (n, f) of the operator."""
+        terms = []
+        for integral in self._integrals():
+            block, element, X, _, parameters, *rest = integral.term(x)
+            chosen = some[cast(int, block)]
+            if len(chosen):
+                of = block_of(cast(int, block), chosen)
+                terms.append(cast(MatrixTerm, (of, element, X, x, _rows(parameters, chosen), *rest)))
+        return terms
 
     def _reduced_operator(self, mask: np.ndarray, backend: str | None) -> Operator:
         part, traits = self.part, self.solver.traits
@@ -243,12 +251,7 @@ class Substructure:
             self._force, self._alone = force, self._rest.alone(force)
             self._taken = self._rest.on_border(self._alone)
         own = right[part.nodes] + self._fixed_right[part.nodes]
-        terms: list[MatrixTerm] = []
-        for integral in self._integrals():
-            block, element, X, _, parameters, *rest = integral.term(values)
-            some = part.entities[cast(int, block)]
-            if len(some):
-                terms.append((block, element, X, values, _rows(parameters, some), *rest))
+        terms = self._terms(values, part.entities, lambda block, some: block)
         mat = self.operator.assemble(terms, own.ravel(), kept=True)
         self._right[:] = own.ravel()
         self._norm = float(np.hypot(np.linalg.norm(self._force), np.linalg.norm(self._right)))
@@ -274,6 +277,8 @@ class Substructure:
         prescribed, local = self.problem.boundary.values, part.local[nodes]
         near, far = nodes[local >= 0], nodes[local < 0]
         x[near] = prescribed[near] + found[local[local >= 0]]
+        if not len(far):
+            return x
         rows = (part.place[far][:, None] * x.shape[1] + np.arange(x.shape[1])).ravel()
         follows = self._rest.following(self._found[part.border], self._allowed, rows) + self._alone[rows]
         x[far] = prescribed[far] + follows.reshape(-1, x.shape[1])

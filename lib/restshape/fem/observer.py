@@ -21,6 +21,8 @@ def largest_size(values: np.ndarray) -> float:
     return np.abs(values).max()
 
 
+NOWHERE = np.empty(0, dtype=np.int32)
+
 # Of a single solution the peak over a frame's time steps is its largest size.
 REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
     # Methods, which numpy's functions find in as long as they take.
@@ -97,7 +99,7 @@ class Observer:
         """Nodes (k,), ascending, whose unknowns alone the quantities hang on; None: some may hang on all."""
         found = [getattr(function, "reads", None) for function in self.functions.values()]
         known = [nodes for nodes in found if nodes is not None]
-        return np.unique(np.concatenate(known)) if known and len(known) == len(found) else None
+        return np.unique(np.concatenate([NOWHERE, *known])) if len(known) == len(found) else None
 
     def begin(self) -> None:
         """Forget the peaks: a new frame begins."""

@@ -239,9 +239,9 @@ class MovingMesh:
     def _part_within(self, reach: float, moved: np.ndarray) -> MovingPart:
         """What moves with the displacements (2, nb, d) of the nodes on the outline."""
         generated, boundary = self._generated, self._boundary
-        held = boundary.nodes[moved.any(axis=(0, 2))]
+        moves = boundary.nodes[moved.any(axis=(0, 2))]
         floors = generated.area_floor, generated.quality_floor
-        part = moving_part(self.mesh, held, boundary.nodes, reach, floors)
+        part = moving_part(self.mesh, moves, boundary.nodes, reach, floors)
         moving = f"{counted(len(part.nodes), 'node')} of {len(self.mesh.X)} ({100 * part.share:.3g} %)"
         log.info("Reach %g m: %s move%s", reach, moving, "" if part.condensed else ": the whole is solved for")
         return part

@@ -57,7 +57,7 @@ class Generated:
         known = self.__dict__.get("_reconnection")
         if known is None or known[0] is not part:
             # One knows nothing of the flips of another.
-            known = part, Reconnection(self.mesh, None if part is None else part.held_edges(self.mesh))
+            known = part, Reconnection(self.mesh, None if part is None else part.staying_edges(self.mesh))
             self.__dict__["_reconnection"] = known
         made: Reconnection = known[1]
         return made

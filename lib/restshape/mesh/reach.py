@@ -34,7 +34,7 @@ class MovingPart:
     @property
     def condensed(self) -> bool:
         """Whether what stays is worth condensing."""
-        return 0 < len(self.nodes) and self.share <= MOST_CONDENSED
+        return len(self.nodes) > 0 and self.share <= MOST_CONDENSED
 
     def check(self, mesh: Mesh, area_floor: float, quality_floor: float) -> tuple[float, int, int]:
         """Least quality, invalid and low-quality cells of the mesh as it lies."""
@@ -42,7 +42,7 @@ class MovingPart:
         least, more, lower = self.rest
         return min(quality, least), invalid + more, low + lower
 
-    def held_edges(self, mesh: Mesh) -> np.ndarray:
+    def staying_edges(self, mesh: Mesh) -> np.ndarray:
         """1 (n_edges,) uint8 for edges that have a cell that stays: they never flip."""
         inside = np.bincount(mesh.cell_edges[self.cells].ravel(), minlength=len(mesh.edge_nodes))
         return (inside < 2).astype(np.uint8)

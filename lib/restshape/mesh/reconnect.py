@@ -17,13 +17,13 @@ class Reconnection:
 
     Args:
         mesh: the mesh; nothing else may change its connectivity.
-        held: (n_edges,) uint8, 1 for further edges that never flip; None: there are none.
+        others: (n_edges,) uint8, 1 for further edges that never flip; None: there are none.
     """
 
-    def __init__(self, mesh: Mesh, held: np.ndarray | None = None) -> None:
+    def __init__(self, mesh: Mesh, others: np.ndarray | None = None) -> None:
         self.mesh = mesh
         self._facet_edges = edges_between(mesh.edge_nodes, mesh.facets)
-        fixed = np.zeros(len(mesh.edge_nodes), dtype=np.uint8) if held is None else held.copy()
+        fixed = np.zeros(len(mesh.edge_nodes), dtype=np.uint8) if others is None else others.copy()
         fixed[self._facet_edges] = 1
         self._triangulation = _kernels.Triangulation(mesh.cells, mesh.cell_edges, mesh.edge_nodes, fixed)
         sides = self._triangulation.edge_cells[self._facet_edges]

@@ -307,6 +307,15 @@ class MeshSpec(Strict):
     file: str | None = None
     unit: Annotated[float, BeforeValidator(read_unit), Field(gt=0), WithJsonSchema(UNIT_SCHEMA)] = 1.0
 
+    @model_validator(mode="after")
+    def _reaches_by_its_map(self) -> Self:
+        if self.reach is not None and self.relocation != "harmonic":
+            what = (
+                f"mesh.relocation {self.relocation!r} moves all nodes, and mesh.reach = {self.reach:g} m some of them"
+            )
+            raise UnitError(what, 'leave mesh.reach out, or take mesh.relocation = "harmonic"')
+        return self
+
 
 EstimatedFrames = Literal["auto", "every", "idle", "none"]
 
