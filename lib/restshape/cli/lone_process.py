@@ -17,6 +17,11 @@ def begin() -> None:
     gc.disable()
 
 
+def alone() -> bool:
+    """Whether this process has one command to run."""
+    return _state["lone"]
+
+
 def set_up() -> None:
     """All that stays is there: cycles are looked for again, among what comes."""
     if _state["lone"] and not gc.isenabled():

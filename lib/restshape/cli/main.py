@@ -5,7 +5,6 @@ import errno
 import os
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -19,8 +18,9 @@ from restshape.cli import lone_process
 from restshape.cli.limits import LIMIT_REACHED
 from restshape.cli.parser import Parser
 from restshape.cli.ranks import first_rank
+from restshape.cli.ranks_ending import end_all_ranks, refused
 from restshape.cli.signals import ending_signals, exit_code, open_streams
-from restshape.errors import UserError, printable, quoted
+from restshape.errors import UserError, quoted
 from restshape.surroundings import start_petsc
 
 COMMANDS = (
@@ -42,8 +42,6 @@ GROUP = "restshape.commands"
 """Entry points of further commands: modules with SUMMARY, `arguments` and `run`, listed by their PLACE in the help."""
 SET_UP_LATER = ("replay",)
 """Commands that say themselves when all is set up that stays: after the first frame."""
-LAST_WORD = 2.0
-"""Seconds that the first rank has for its message."""
 EXIT_CODES = (
     "exit codes: 0 success, 1 a check failed, 2 bad input, 3 a limit of time or memory was reached, "
     "128 + N ended by signal N (130: interrupted), "
@@ -124,7 +122,8 @@ def _ended(words: list[str]) -> int:
         return UNREAD
     except KeyboardInterrupt:
         # While modules were imported, or after all was done.
-        print("restshape: interrupted", file=sys.stderr)
+        if first_rank():
+            print("restshape: interrupted", file=sys.stderr)
         return exit_code()
     except OSError as error:
         if error.errno == errno.ENAMETOOLONG:
@@ -159,20 +158,20 @@ def _run(words: list[str]) -> int:
             lone_process.set_up()
         return args.run(args)
     except UserError as error:
-        if first_rank():
-            print(printable(f"restshape {asked}: {error}"), file=sys.stderr)
-        else:
-            # mpiexec ends all ranks as soon as one has failed: the first one must have said why by then.
-            time.sleep(LAST_WORD)
+        refused(f"restshape {asked}: {error}")
         return 2
     except KeyboardInterrupt:
         if first_rank():
             print(f"restshape {asked}: interrupted", file=sys.stderr)
         return exit_code()
     except MemoryError as error:
+        end_all_ranks(error, asked)
         print(f"restshape {asked}: not enough memory ({error})", file=sys.stderr)
         print("  try: a coarser mesh, or fewer points", file=sys.stderr)
         return LIMIT_REACHED
+    except Exception as error:
+        end_all_ranks(error, asked)
+        raise
 
 
 @contextmanager

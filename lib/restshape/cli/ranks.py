@@ -17,8 +17,13 @@ def launched() -> bool:
 
 def first_rank() -> bool:
     """Before MPI starts: whether this process will be rank 0; of tasks that are no ranks, whether it is the first."""
+    return rank_number() == "0"
+
+
+def rank_number() -> str:
+    """Before MPI starts: the number that this process will have."""
     ranks = (os.environ.get(key) for key in (*RANK_NAMES, *(["SLURM_PROCID"] if lone_task() else ())))
-    return next((rank for rank in ranks if rank), "0") == "0"
+    return next((rank for rank in ranks if rank), "0")
 
 
 def ranks_here() -> int:

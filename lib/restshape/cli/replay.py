@@ -7,7 +7,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import traceback
 from collections.abc import Callable
 from math import log2
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application
 from restshape.cli.doubtful import print_doubtful, untrusted_words
-from restshape.cli.limits import LIMIT_REACHED, add_limits, keep_frames, lift_limits, limited
+from restshape.cli.limits import add_limits, keep_frames, lift_limits, limited
 from restshape.cli.lone_process import set_up
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
 from restshape.cli.parity_line import parity_lines
@@ -23,7 +22,8 @@ from restshape.cli.parser import add_edits
 from restshape.cli.petsc_notes import note_petsc
 from restshape.cli.quantity_tables import percent, print_quantities
 from restshape.cli.ranks import first_rank
-from restshape.cli.signals import agreeing, exit_code
+from restshape.cli.ranks_ending import end_all_ranks
+from restshape.cli.signals import agreeing
 from restshape.cli.verbosity import add_verbose
 from restshape.errors import UserError, printable
 from restshape.outputs.kinds import CsvFile, RecordingFile
@@ -159,7 +159,7 @@ def _replayed(
             recorder.close("interrupted")
         # A file that cannot be written is known to the first rank only.
         if not isinstance(error, UserError) or error.where in (str(args.out), str(args.csv)):
-            _stop_other_ranks(error)
+            end_all_ranks(error, "replay")
         raise
     if recorder:
         summary["recording"] = recorder.close("interrupted" if summary["interrupted"] else "done")
@@ -232,24 +232,6 @@ def _run(
             count(1)
 
         return Run(request, recorder, parity=args.parity, csv=args.csv, say=count.say).to_end(on_frame)
-
-
-def _stop_other_ranks(error: BaseException) -> None:
-    """End all ranks, which would wait for this one for ever; returns when there is no other."""
-    if "petsc4py.PETSc" not in sys.modules:
-        return
-    from petsc4py import PETSc
-
-    if PETSc.COMM_WORLD.size == 1:
-        return
-    if isinstance(error, UserError):
-        print(f"restshape replay: {error}", file=sys.stderr, flush=True)
-    elif isinstance(error, KeyboardInterrupt):
-        print("restshape replay: interrupted", file=sys.stderr, flush=True)
-    else:
-        traceback.print_exception(error)
-    codes = {UserError: 2, KeyboardInterrupt: exit_code(), MemoryError: LIMIT_REACHED}
-    PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
 
 
 def _print_and_write(args: argparse.Namespace, request: Request, summary: dict[str, Any]) -> int:
