@@ -6,6 +6,7 @@ import type { Drawer } from "./drawer";
 import { whatDraws } from "./drawn";
 
 export class CardDrawer implements Drawer {
+  readonly early = false;
   private readonly renderer: WebGLRenderer;
 
   /** Throws where the canvas has no WebGL 2. */

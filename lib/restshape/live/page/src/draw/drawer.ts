@@ -3,6 +3,8 @@
 import type { Camera, Color, Object3D } from "three";
 
 export interface Drawer {
+  /** Drawing takes the page's time: it is done as soon as there is something to draw, not when the display is about to show it. */
+  readonly early: boolean;
   /** Width and height [pixels of the page], and how many of the canvas are in one of the page. */
   resize(width: number, height: number, ratio: number): void;
   clearTo(colour: Color): void;

@@ -19,6 +19,8 @@ import { SoftwareDrawer } from "./software_drawer";
 import { Theme } from "./theme";
 import { View } from "./view";
 
+const VAIN = 20; // drawings that are not made ahead after one that was in vain
+
 ColorManagement.enabled = false; // colours of maps are shown as they are
 
 export class Scene {
@@ -37,6 +39,9 @@ export class Scene {
   private field: FieldInfo | null = null;
   private said = { scale: 1, text: "" };
   private asked = false;
+  private stale = true;                              // what is to be seen is not drawn yet
+  private ahead = false;                             // it was drawn before the display asked for it
+  private vain = 0;                                  // drawings that will not be: one before was not shown
   private readonly sharpness = new Sharpness(() => this.sharpen());
   private answered = 0;
   private fitted = false;
@@ -79,6 +84,7 @@ export class Scene {
 
   /** Draws once, at the browser's next turn. */
   request(): void {
+    this.stale = true;
     if (this.asked) return;
     this.asked = true;
     this.sharpness.request(performance.now());
@@ -129,6 +135,28 @@ export class Scene {
     else this.first();
     this.colour();
     this.request();
+    // Once all have taken the frame.
+    if (this.drawer.early && !this.ahead && this.vain === 0) queueMicrotask(() => this.drawAhead());
+  }
+
+  private drawAhead(): void {
+    if (this.ahead) return;
+    this.ahead = true;
+    this.paint();
+  }
+
+  /** Where frames come faster than they are shown, what is drawn ahead is often drawn in vain. */
+  private countVain(): void {
+    if (this.ahead && this.stale) this.vain = VAIN;
+    else if (this.vain > 0) this.vain -= 1;
+    this.ahead = false;
+  }
+
+  private paint(): void {
+    if (!this.stale) return;
+    for (const before of this.onDraw) before();
+    this.drawer.draw(this.scene, this.view.camera);
+    this.stale = false;
   }
 
   /** What all was in the picture, and grows out of it, is shown again; not while a hand drags, nor after a look at a part. */
@@ -247,6 +275,7 @@ export class Scene {
     this.height = Math.max(clientHeight, 1);
     this.view.resize(this.width, this.height);
     this.grain();
+    this.stale = true;
     this.draw();
   }
 
@@ -266,8 +295,8 @@ export class Scene {
   private draw(): void {
     if (this.asked) this.sharpness.begin(performance.now(), this.answered > 0 || this.view.moving);
     this.asked = false;
-    for (const before of this.onDraw) before();
-    this.drawer.draw(this.scene, this.view.camera);
+    this.countVain();
+    this.paint();
     this.labels.place(this.view, this.width, this.height, this.shared.scale.value);
     if (this.answered) this.app.tell("drawn", this.answered);
     this.answered = 0;

@@ -19,9 +19,11 @@ import { fill } from "./software/triangles";
 import { Surface } from "./surface";
 import { wireShare } from "./surface_shader";
 
+const WHITES = 64; // steps of how white edges are, so that colours are not made anew with each frame
 const NEARER = { lines: 2e-4, dots: 4e-4 }; // depth by which they lie before what they are on
 
 export class SoftwareDrawer implements Drawer {
+  readonly early = true;
   private readonly pen: CanvasRenderingContext2D;
   private readonly raster = new Raster();
   private readonly depth = new Depth();
@@ -107,7 +109,7 @@ export class SoftwareDrawer implements Drawer {
     const pixels = (0.5 * surface.tall.value * camera.projectionMatrix.elements[5] * shared.size.value.y) / far;
     return {
       map: shared.map.value.image.data as Uint8Array, body: bytesOf(surface.colour), glowing: bytesOf(shared.glowing.value),
-      glow: surface.glow.value, wire: surface.hasWires ? Math.round(256 * wireShare(pixels)) / 256 : 0,
+      glow: surface.glow.value, wire: surface.hasWires ? Math.round(WHITES * wireShare(pixels)) / WHITES : 0,
     };
   }
 

@@ -76,7 +76,8 @@ function rows(
   const long = (xc - xa) / (yc - ya), upper = (xb - xa) / (yb - ya), lower = (xc - xb) / (yc - yb);
   const [d0, d1, d2] = away;
   const wired = d0.at < FAR || d1.at < FAR || d2.at < FAR;
-  const { pixels, width } = raster;
+  const { pixels, width } = raster, { values, body } = palette;
+  const ex = share.x, px = d0.x, qx = d1.x, rx = d2.x;
   for (let row = from; row < to; row += 1) {
     const middle = row + 0.5;
     const one = xa + (middle - ya) * long;
@@ -85,26 +86,23 @@ function rows(
     const right = Math.min(Math.ceil((one < other ? other : one) - 0.5), width);
     if (left >= right) continue;
     const x = left + 0.5, begin = row * width;
-    let value = share.at + share.x * x + share.y * middle;
+    const end = begin + right;
+    let value = share.at + ex * x + share.y * middle, at = begin + left;
     if (!wired) {
-      if (!known) pixels.fill(palette.body[0]!, begin + left, begin + right);
-      else for (let at = begin + left; at < begin + right; at += 1, value += share.x) {
+      if (!known) pixels.fill(body[0]!, at, end);
+      else for (; at < end; at += 1, value += ex) {
         const i = value | 0;
-        pixels[at] = palette.values[i < 0 ? 0 : i > 255 ? 255 : i]!;
+        pixels[at] = values[i < 0 ? 0 : i > 255 ? 255 : i]!;
       }
       continue;
     }
-    let p = d0.at + d0.x * x + d0.y * middle, q = d1.at + d1.x * x + d1.y * middle, r = d2.at + d2.x * x + d2.y * middle;
-    for (let at = begin + left; at < begin + right; at += 1) {
+    let p = d0.at + px * x + d0.y * middle, q = d1.at + qx * x + d1.y * middle, r = d2.at + rx * x + d2.y * middle;
+    for (; at < end; at += 1, value += ex, p += px, q += qx, r += rx) {
       let near = p < q ? p : q;
       if (r < near) near = r;
       const step = near >= REACH ? 0 : near <= REACH - 1 ? STEPS : (STEPS * (REACH - near)) | 0;
       const i = value | 0;
-      pixels[at] = known ? palette.values[step * VALUES + (i < 0 ? 0 : i > 255 ? 255 : i)]! : palette.body[step]!;
-      value += share.x;
-      p += d0.x;
-      q += d1.x;
-      r += d2.x;
+      pixels[at] = known ? values[step * VALUES + (i < 0 ? 0 : i > 255 ? 255 : i)]! : body[step]!;
     }
   }
 }
