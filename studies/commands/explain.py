@@ -50,6 +50,7 @@ def run(args: argparse.Namespace) -> int:
     if launched():
         raise UserError("effects are priced on one rank", do="start it without mpiexec")
     from restshape_studies.explain.prediction import prediction
+    from restshape_studies.explain.reach import reach
     from restshape_studies.explain.study import Asked, explain
 
     from restshape.scene.edit_script import load_script
@@ -74,7 +75,12 @@ def run(args: argparse.Namespace) -> int:
     measured = f"{counted(first['runs'], 'run')}, policy {scene.solve.policy}"
     print(f"shares of {total:.4g} ms of processor time, the mean of {of}; {measured}\n")
     core = next(row for row in rows if "solver" in row)
-    lines = [*solvers(core["solver"]), prediction(scene, script), *application_of(scene).command_costs(scene)]
+    lines = [
+        *solvers(core["solver"]),
+        *reach(scene, script),
+        prediction(scene, script),
+        *application_of(scene).command_costs(scene),
+    ]
     print_table("solvers", ("what", "choice", "why"), lines)
     if called := kernels(rows):
         print()

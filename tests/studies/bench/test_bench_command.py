@@ -124,6 +124,7 @@ TIMED = (
     "reuse",
     "limit",
     "size",
+    "reach",
     "scaling",
     "order",
     "eigen",
