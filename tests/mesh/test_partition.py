@@ -5,7 +5,7 @@ import pytest
 
 from restshape.mesh.generate import generate
 from restshape.mesh.numbering import hilbert_keys, node_order
-from restshape.mesh.partition import cell_parts, node_owners
+from restshape.mesh.partition import node_owners
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
 
@@ -50,16 +50,30 @@ def test_the_partition_only_renumbers(outline):
     assert np.allclose(two.X[two.nodes_of("da"), 0], 0.0) and len(two.nodes_of("da")) == len(one.nodes_of("da"))
 
 
-def test_every_part_has_cells_and_every_node_an_owner_beside_it(outline):
-    mesh = generate(outline, MeshSpec(size=0.1))
-    part = cell_parts(mesh.X, mesh.cells, 3)
-    assert set(part.tolist()) == {0, 1, 2}
-    owner = node_owners(mesh.X, mesh.cells, 3)
-    beside = [set() for _ in range(mesh.n_nodes)]
-    for cell, rank in zip(mesh.cells.tolist(), part.tolist()):
-        for node in cell:
-            beside[node].add(rank)
-    assert all(rank in ranks for rank, ranks in zip(owner.tolist(), beside))
+@pytest.mark.parametrize("ranks", [2, 3, 7])
+def test_parts_hold_as_many_nodes_each_and_are_cut_across_a_slender_body_that_lies_askew(ranks):
+    """Of a bar 20 long and 1 wide, at 30 degrees, whatever the order of its nodes."""
+    along, across = (part.ravel() for part in np.meshgrid(np.arange(200) * 0.1, np.arange(11) * 0.1, indexing="ij"))
+    shuffled = np.random.default_rng(1).permutation(len(along))
+    cos, sin = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    X = np.column_stack([cos * along - sin * across, sin * along + cos * across])[shuffled]
+    owner = node_owners(X, ranks)
+    sizes = np.bincount(owner, minlength=ranks)
+    assert sizes.max() - sizes.min() <= ranks
+    spans = [np.ptp(along[shuffled][owner == rank]) for rank in range(ranks)]
+    assert max(spans) <= 20.0 / ranks + 0.2
+
+
+def test_more_ranks_than_nodes_leave_some_without(outline):
+    owner = node_owners(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), 5)
+    assert len(set(owner.tolist())) == 3 and owner.max() < 5
+    assert not len(node_owners(np.empty((0, 2)), 3))
+
+
+def test_places_are_those_along_the_curve_on_any_number_of_ranks(outline):
+    one, three = (generate(outline, MeshSpec(size=0.1), ranks) for ranks in (1, 3))
+    back = np.argsort(three.places)
+    assert np.array_equal(three.X[back], one.X[np.argsort(one.places)])
 
 
 def test_the_hilbert_curve_steps_from_square_to_neighbouring_square():

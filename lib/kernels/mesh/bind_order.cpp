@@ -39,11 +39,10 @@ py::array_t<std::int64_t> hilbert_keys(const Doubles& points) {
     return py::array_t<std::int64_t>(static_cast<py::ssize_t>(keys.size()), keys.data());
 }
 
-Indices node_order(const Doubles& X, const Indices& owner) {
+Indices node_order(const Doubles& X) {
     const auto nodes = rows_of(X, 2, "X");
-    if (owner.size() != nodes) throw std::invalid_argument("owner must have one rank a node");
     Indices order(static_cast<py::ssize_t>(nodes));
-    restshape::node_order(X.data(), owner.data(), nodes, order.mutable_data());
+    restshape::node_order(X.data(), nodes, order.mutable_data());
     return order;
 }
 
@@ -80,7 +79,7 @@ void bind_order(py::module_& m) {
           "Moves nodes from `fixed` on to the mean of their neighbours, in place, such that the worst triangle gets no "
           "worse; returns its area over the sum of its squared sides before.");
     m.def("hilbert_keys", &hilbert_keys, "points"_a, "Place of each point along a Hilbert curve around all of them.");
-    m.def("node_order", &node_order, "X"_a, "owner"_a, "Nodes by owner, then along a Hilbert curve.");
+    m.def("node_order", &node_order, "X"_a, "Nodes along a Hilbert curve.");
     m.def("cell_order", &cell_order, "cells"_a, "nodes"_a, "Triangles by their smallest node, then by the others.");
     m.def("edges_of_cells", &edges_of_cells, "cells"_a, "nodes"_a,
           "Edges of triangles, sorted, and the edge opposite to each corner.");

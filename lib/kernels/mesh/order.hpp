@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -69,11 +68,11 @@ void sort_few(std::int32_t* begin, std::int32_t* end, Before before) {
     }
 }
 
-// Nodes in their new order: by owner, then along a Hilbert curve.
-inline void node_order(const double* X, const std::int32_t* owner, std::int32_t nodes, std::int32_t* order) {
+// Nodes in their order along a Hilbert curve.
+inline void node_order(const double* X, std::int32_t nodes, std::int32_t* order) {
     const auto keys = hilbert_keys(X, nodes);
     const bool small = std::all_of(keys.begin(), keys.end(), [](std::int64_t key) { return key >> 31 == 0; });
-    if (small && std::all_of(owner, owner + nodes, [&](std::int32_t one) { return one == owner[0]; })) {
+    if (small) {
         // Key and number in one word: half the time.
         std::vector<std::uint64_t> words(nodes);
         for (std::int32_t i = 0; i < nodes; ++i)
@@ -82,10 +81,10 @@ inline void node_order(const double* X, const std::int32_t* owner, std::int32_t 
         for (std::int32_t i = 0; i < nodes; ++i) order[i] = static_cast<std::int32_t>(words[i]);
         return;
     }
-    std::vector<std::tuple<std::int32_t, std::int64_t, std::int32_t>> sorted(nodes);
-    for (std::int32_t i = 0; i < nodes; ++i) sorted[i] = {owner[i], keys[i], i};
+    std::vector<std::pair<std::int64_t, std::int32_t>> sorted(nodes);
+    for (std::int32_t i = 0; i < nodes; ++i) sorted[i] = {keys[i], i};
     std::sort(sorted.begin(), sorted.end());
-    for (std::int32_t i = 0; i < nodes; ++i) order[i] = std::get<2>(sorted[i]);
+    for (std::int32_t i = 0; i < nodes; ++i) order[i] = sorted[i].second;
 }
 
 // Triangles in their new order: by the smallest node, then by the others.

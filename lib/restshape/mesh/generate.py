@@ -103,8 +103,10 @@ def assemble(
     Raises:
         ReplayProblem: an edge of the outline is not made of sides of triangles.
     """
-    owner = node_owners(X, cells, ranks)
-    order = node_order(X, owner)
+    curve = node_order(X)
+    owner = node_owners(X, ranks)[curve].astype(np.int16)
+    by_owner = np.argsort(owner, kind="stable")
+    order = curve[by_owner]
     number = np.empty(len(X), dtype=np.int32)
     number[order] = np.arange(len(X), dtype=np.int32)
     X, cells = X[order], number[cells]
@@ -123,8 +125,8 @@ def assemble(
         node_edge=node_edge,
         node_param=node_param,
         vertex_node=number[: len(outline.vertex_names)],
-        node_offsets=np.searchsorted(owner[order], np.arange(ranks + 1)),
-        places=np.argsort(node_order(X)).astype(np.int32) if ranks > 1 else None,
+        node_offsets=np.searchsorted(owner[by_owner], np.arange(ranks + 1)),
+        places=by_owner.astype(np.int32) if ranks > 1 else None,
     )
     if mesh.facet_cell.min() < 0:
         name = outline.edges[facet_edge[np.argmin(mesh.facet_cell)]].name

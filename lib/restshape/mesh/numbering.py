@@ -12,14 +12,13 @@ def hilbert_keys(points: np.ndarray) -> np.ndarray:
     return _kernels.hilbert_keys(points)
 
 
-def node_order(X: np.ndarray, owner: np.ndarray | None = None) -> np.ndarray:
-    """Nodes (n,) in their new order: by owner, then along a Hilbert curve.
+def node_order(X: np.ndarray) -> np.ndarray:
+    """Nodes (n,) in their order along a Hilbert curve, those at one place of it by their numbers.
 
     Args:
         X: (n, 2) positions [m].
-        owner: (n,) rank of each node; default: all the same.
     """
-    return _kernels.node_order(X, np.zeros(len(X), dtype=np.int32) if owner is None else owner)
+    return _kernels.node_order(X)
 
 
 def cell_order(cells: np.ndarray, n_nodes: int) -> np.ndarray:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import cast
 
+from mpi4py.util.pkl5 import Intracomm as ArraysApart
 from petsc4py import PETSc
 
 from restshape.application import Application
@@ -56,7 +57,7 @@ def replayed_shape(
 
 def _broadcast(comm: PETSc.Comm, make: Callable[[], Mesh]) -> Mesh:
     """What `make` gives on rank 0, on every rank; its problem, if it has one, is raised on every rank."""
-    ranks = comm.tompi4py()
+    ranks = ArraysApart(comm.tompi4py())
     outcome: Mesh | ReplayProblem | UserError | None = None
     if ranks.rank == 0:
         try:
