@@ -66,10 +66,16 @@ def test_pages_that_come_again_close_and_look(bracket_session, context, opened):
     same_picture(page, looker)
     looker.tab.close()
 
-    # It is closed in the drag: the next one has the hand, takes hold again, and undoes both drags.
-    page.tab.close()
+    # It is closed in the drag: one that looks asks for the hand, takes hold again, and undoes both drags.
     last = opened(live)
-    assert last.of("welcome")[-1]["role"] == "hand" and last.frame["held"]
+    ask = last.tab.get_by_role("button", name="Take the hand")
+    ask.click()
+    last.until(lambda: "another page has the hand" in last.log.inner_text(), "why it has not")
+    page.tab.close()
+    last.until(lambda: "no page has the hand" in last.log.inner_text(), "that it is free")
+    ask.click()
+    last.until(lambda: last.of("role") and last.of("role")[-1]["role"] == "hand", "the hand")
+    assert last.frame["held"]
     last.drag(last.place([ROUND]), (5.0, -8.0))
     last.tab.keyboard.press("Control+z")
     last.settle()
@@ -151,6 +157,11 @@ def test_a_played_script_is_taken_over_by_the_hand(bracket_session, opened, tmp_
     for number in (1, 2, 3):
         page.tab.get_by_role("button", name="▸").click()
         page.until(lambda number=number: page.frame["number"] == number, "one frame on")
+    # A jump to the end, and back to a frame in the drag, from which the hand goes on.
+    scrub = page.tab.get_by_role("slider", name="frame", exact=True)
+    for frame in (6, 2):
+        scrub.fill(str(frame))
+        page.until(lambda frame=frame: page.frame["number"] == frame, "the frame of the jump")
     page.tab.get_by_role("button", name="Take over").click()
     page.until(lambda: not page.of("welcome")[-1]["player"], "the hand")
     page.drag(page.place([ROUND]), (0.0, -9.0))

@@ -136,3 +136,24 @@ def test_an_error_without_a_limit_is_said_and_one_that_is_not_estimated_is_not()
     found = errors_of(row, ["a", "b", "c", "d"])
     assert found == {"a": np.inf, "c": 2.0}
     assert json.loads(json_bytes(found)) == {"a": None, "c": 2.0}
+
+
+def test_a_recording_has_the_marks_of_its_scene_where_the_session_had_them(recorded):
+    path, _ = recorded
+    live = LocalSession(bracket())
+    for event in EVENTS[:2]:
+        live.event(**event)
+    viewer = Viewer(path)
+    viewer.say("seek", frame=5)
+    frame, shown = viewer.of("frame")[-1], live.of("frame")[-1]
+    assert frame["number"] == shown["number"] == 5
+    there, here = ({one["name"]: one for one in of["marks"] if one["kind"] != "words"} for of in (shown, frame))
+    conditions = {name for name in there if name.startswith(("support", "load")) or name == "gravity"}
+    assert len(conditions) == 3 and conditions <= here.keys()
+    for name in conditions:
+        one, other = ((of[name]["kind"], {*of[name].get("words", ())} - {""}) for of in (here, there))
+        assert one == other, name
+        assert "moved" in here[name]
+    viewer.say("show", marks=False)
+    assert viewer.of("frame")[-1]["marks"] == []
+    live.end()

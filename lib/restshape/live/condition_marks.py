@@ -100,21 +100,34 @@ class LoadArrows:
         at, along = 0.5 * (ends[:, 0] + ends[:, 1]), ends[:, 1, :2] - ends[:, 0, :2]
         outwards = np.stack([along[:, 1], -along[:, 0]], axis=1)
         outwards /= np.maximum(np.hypot(*along.T)[:, None], 1e-300)
-        if self.load is None:
-            assert self.vector is not None, "an acceleration has a vector"
-            vectors: Reals | None = self.vector[None]
-            unit, key = "m/s²", self.name
-        else:
-            place = Place([], at, at[:, :2], outwards, at[0, :2])
-            vectors = load_vectors(scene, self.name, self.load, place, self.inside)
-            unit, key = UNITS.get(self.load.kind, ""), f"load {self.name}"
-        if vectors is None or not vectors.any():
-            return Lines(key, at, range(len(at)), "load")
-        sizes = np.hypot(*vectors.T)
-        tips = (vectors * outwards).sum(axis=1) < PUSHES * sizes
-        words = [""] * len(vectors)
-        words[len(words) // 2] = si(float(sizes[len(words) // 2]), unit)
-        return Arrows(key, at, vectors, unit, "load", words, None, tips.tolist())
+        return arrows_of(scene, self.name, self.load, Place([], at, at, outwards, at[0, :2]), self.inside, self.vector)
+
+
+def arrows_of(
+    scene: Scene, name: str, load: Load | None, place: Place, inside: bool, vector: Reals | None = None
+) -> Arrows | Lines:
+    """The arrows of a load, or of an acceleration; lines where the load has no direction.
+
+    Args:
+        scene: of it; name: what it is; load: None of an acceleration.
+        place: where the arrows stand; inside: it acts in the body, not on edges; vector: (2,) of an acceleration.
+    """
+    if load is None:
+        assert vector is not None, "an acceleration has a vector"
+        vectors: Reals | None = vector[None]
+        unit, key = "m/s²", name
+    else:
+        # In space, too, loads of a plane shape act in its plane.
+        flat = replace(place, at=place.at[:, :2])
+        vectors = load_vectors(scene, name, load, flat, inside)
+        unit, key = UNITS.get(load.kind, ""), f"load {name}"
+    if vectors is None or not vectors.any():
+        return Lines(key, place.at, range(len(place.at)), "load")
+    sizes = np.hypot(*vectors.T)
+    tips = (vectors * place.outwards).sum(axis=1) < PUSHES * sizes
+    words = [""] * len(vectors)
+    words[len(words) // 2] = si(float(sizes[len(words) // 2]), unit)
+    return Arrows(key, place.at, vectors, unit, "load", words, None, tips.tolist())
 
 
 def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:

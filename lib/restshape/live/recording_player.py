@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,12 +13,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.live.frame_header import columns_of, errors_of, limits_of_frame
 from restshape.live.grab_parts import OutlineParts
 from restshape.live.moment import Moment
-from restshape.live.shape_surface import MODE, ShapeSurface
+from restshape.live.moved_marks import MovedMarks
+from restshape.live.recorded_marks import recorded_marks
+from restshape.live.shape_surface import MODE, ShapeSurface, mode_of
 from restshape.live.shown_colours import colours_of
+from restshape.live.shown_marks import shown_with
+from restshape.live.welcome import columns_said
 from restshape.replay.sessions import session_of
 from restshape.report.field import IN_CELLS, physics_of, shown_field
 from restshape.report.recorded_quantities import limits_of, quantity_units
@@ -31,9 +37,13 @@ if TYPE_CHECKING:
     from restshape.arrays import Indices, Reals
     from restshape.live.live_simulation import Progress
     from restshape.live.script_player import Watch
+    from restshape.live.shown_marks import Mark
     from restshape.replay.recording import Recording
     from restshape.scene.model import Scene
     from restshape.shape.outline import Outline
+
+    RecordedShape = tuple[Outline | None, Scene]
+    """The outline of a frame, and the values that hold in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,16 +68,18 @@ class RecordingPlayer:
     Attributes:
         at: number of the frame that is shown, which who shows it sets; frames: how many there are.
         field: that gives the colours; empty: none does.
+        marks: they are shown.
     """
 
     def __init__(self, recording: Recording) -> None:
         self.recording = recording
-        self.at, self.frames = 0, recording.n
+        self.at, self.frames, self.marks = 0, recording.n, True
         shown = shown_field(recording)
         self.field = shown.name if shown else next(iter(self.looks), "")
         self._surface, self._outline = ShapeSurface(), OutlineParts()
         self._known: tuple[int, PlayedMesh] | None = None
-        self._outlines: list[Outline | None] = []
+        self._shapes: list[RecordedShape] = []
+        self._moved_marks = MovedMarks()
 
     @cached_property
     def looks(self) -> dict[str, PictureField]:
@@ -100,31 +112,31 @@ class RecordingPlayer:
         return str(self.recording.header.get("script_text", ""))
 
     @cached_property
-    def _sessions(self) -> Iterator[Outline | None]:
-        """The outline of each frame, where the scene can be edited again without a solve; nothing where it cannot."""
+    def _sessions(self) -> Iterator[RecordedShape]:
+        """The shape of each frame, where the scene can be edited again without a solve; nothing where it cannot."""
         try:
             session = session_of(self.scene, self.script)
         except UserError:
             return iter(())
         stopped = refused(self.recording)
 
-        def outlines() -> Iterator[Outline | None]:
+        def shapes() -> Iterator[RecordedShape]:
             for frame in session.frames():
                 if frame.index < self.frames and stopped[frame.index] and not frame.refused and frame.change != "none":
                     # It had no solution.
                     session.rollback()
-                yield session.outline
+                yield session.outline, session.scene
 
-        return outlines()
+        return shapes()
 
-    def outline(self, i: int) -> Outline | None:
-        """The outline of a frame; None where there is none, or none can be had."""
-        while len(self._outlines) <= i:
+    def shape(self, i: int) -> RecordedShape | None:
+        """The shape of a frame; None where none can be had."""
+        while len(self._shapes) <= i:
             found = next(self._sessions, None)
             if found is None:
                 return None
-            self._outlines.append(found)
-        return self._outlines[i]
+            self._shapes.append(found)
+        return self._shapes[i]
 
     def mesh(self, i: int) -> PlayedMesh:
         """The mesh of a frame; those of one topology have the same cells."""
@@ -148,8 +160,12 @@ class RecordingPlayer:
         row = {name: _plain(values[number]) for name, values in recording.table.items()}
         said = {"errors": errors_of(row, self._units), "limits": limits_of_frame(row, self._limited)}
         header = {"type": "frame", "number": number, "columns": columns_of(row), "held": None, **said}
-        parts = [part, *self._outline(self.outline(number))]
-        return Moment(header, parts, (), float(recording.times[number]))
+        outline, scene = self.shape(number) or (None, None)
+        parts = [part, *self._outline(outline)]
+        found: Sequence[Mark] = ()
+        if self.marks and outline is not None and scene is not None and X.shape[1] == 2:
+            found = shown_with(recorded_marks(scene, outline, row, X), mode_of(self.field))
+        return Moment(header, parts, self._moved_marks(found, parts), float(recording.times[number]))
 
     @cached_property
     def _units(self) -> dict[str, str]:
@@ -174,10 +190,14 @@ class RecordingPlayer:
         """The quantities with the limits of the first frame."""
         limits = limits_of(self.recording)
         names = {"min": "limitLow", "max": "limitHigh"}
-        return [
+        found: list[dict[str, object]] = [
             {"name": name, "unit": unit} | {names[key]: value for key, value in limits.get(name, {}).items()}
             for name, unit in self._units.items()
         ]
+        with suppress(UserError):
+            shown = application_of(self.scene).shown_columns(self.scene)
+            found += [columns_said(one) for one in shown if one.name in self.recording.table]
+        return found
 
 
 def _name(given: object, other: str) -> str:

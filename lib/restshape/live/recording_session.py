@@ -110,6 +110,8 @@ class RecordingSession(MessageLoop):
     def _show(self, message: page.ShowMessage) -> None:
         if message.predict not in (None, "none"):
             self.predict("linear")
+        if message.marks is not None:
+            self._recorded.marks = message.marks
         if message.field is not None:
             if message.field not in self._recorded.looks:
                 raise UserError(f"there is no field {message.field!r}", do=f"one of: {', '.join(self._recorded.looks)}")

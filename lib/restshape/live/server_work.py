@@ -34,8 +34,12 @@ class WorkInProgress:
         if not self._sent:
             self._since = self._begun = time.monotonic()
         event = message.get("event")
+        if isinstance(event, dict):
+            self.what = str(event.get("do"))
+        elif not self._sent:
+            # What is asked by the way is not what takes long.
+            self.what = message["type"]
         self._sent[message["id"]] = isinstance(event, dict)
-        self.what = str(event.get("do")) if isinstance(event, dict) else message["type"]
 
     def answer(self, number: int) -> None:
         """A message was answered, and with it all before it."""

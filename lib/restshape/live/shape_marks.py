@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
 from restshape.live.kept_marks import kept, of_answers
+from restshape.live.recorded_marks import singular_marks
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import Lines, Mark
-from restshape.replay.recorded_places import SINGULAR_PLACES, decode_places
+from restshape.replay.recorded_places import SINGULAR_PLACES
 from restshape.report.goal_curves import goals_in
 
 if TYPE_CHECKING:
@@ -46,10 +47,5 @@ class ShapeMarks:
         """Where quantities have no limit under refinement."""
         text = str(seen.frame.row.get(SINGULAR_PLACES, ""))
         if text != self._places[0]:
-            found, marks = decode_places(text), []
-            if len(found.points):
-                names = ", ".join(found.exponents)
-                words = [f"singular place of {names}", *[""] * (len(found.points) - 1)]
-                marks = [Lines("singular places", found.points, range(len(words)), "uncertain", None, words)]
-            self._places = text, [*marks]
+            self._places = text, singular_marks(seen.frame.row)
         return self._places[1]

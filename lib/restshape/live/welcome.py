@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from restshape.application import application_of
+from restshape.application import ShownColumn, application_of
 from restshape.live.settable_numbers import SceneNumbers
 from restshape.scene.edit_script import events_of
 
@@ -82,13 +82,18 @@ def fields_said(live: LiveSimulation) -> list[dict[str, object]]:
 
 def quantities_said(scene: Scene) -> list[dict[str, object]]:
     """The quantities of a scene, and the columns shown as such, with their limits as they are now."""
-    found: list[dict[str, object]] = []
-    known = [(name, one.unit, one.min, one.max) for name, one in scene.quantities.items()]
-    known += [(one.name, one.unit, one.least, one.most) for one in application_of(scene).shown_columns(scene)]
-    for name, unit, least, most in known:
-        limits = {"limitLow": least, "limitHigh": most}
-        found.append({"name": name, "unit": unit} | {key: v for key, v in limits.items() if v is not None})
-    return found
+    known = [_quantity_said(name, one.unit, one.min, one.max) for name, one in scene.quantities.items()]
+    return known + [columns_said(one) for one in application_of(scene).shown_columns(scene)]
+
+
+def columns_said(one: ShownColumn) -> dict[str, object]:
+    """A column that is shown as a quantity."""
+    return _quantity_said(one.name, one.unit, one.least, one.most)
+
+
+def _quantity_said(name: str, unit: str, least: float | None, most: float | None) -> dict[str, object]:
+    limits = {"limitLow": least, "limitHigh": most}
+    return {"name": name, "unit": unit} | {key: value for key, value in limits.items() if value is not None}
 
 
 def events_said(scene: Scene) -> dict[str, object]:
