@@ -334,6 +334,7 @@ LIST = (
     Result(("live.gif",), ("scripts/live_gif.py",), ("restshape.live.worker",), timed=True),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
+    bench("large", "large --json results/bench-large.json", ["bench-large.json"], "*/scenes/*.toml"),
     bench("order", f"order {PLATE} --json results/bench-order.json", ["bench-order.json"]),
     bench("design", f"predict {BEAM} --out results --json results/bench-predict.json", ["bench-predict.*"]),
     bench(

@@ -119,18 +119,25 @@ def own_work(replay: Replay) -> dict[str, float]:
     from petsc4py import PETSc
     from restshape_studies.bench.limit import VECTORS
 
+    local = PETSc.Mat.InfoType.LOCAL
     space, rank, size = replay.solver.space, replay.comm.rank, replay.comm.size
     first, last = space.node_offsets[rank : rank + 2]
     touched = ((space.cells >= first) & (space.cells < last)).any(axis=1)
-    system = getattr(getattr(replay.analysis, "state", None), "system", None)
-    solver, mat = getattr(replay.analysis, "solver", None), getattr(system, "mat", None)
     counted = {"cells": int(touched.sum()), "all_cells": len(space.cells), "nodes": int(last - first)}
-    if mat is None or solver is None:
+    solver = getattr(replay.analysis, "solver", None)
+    if hasattr(solver, "pencil"):
+        pencil = solver.pencil
+        matrix = ENTRY * sum(mat.getInfo(local)["nz_used"] for mat in (pencil.stiffness, pencil.mass))
+        return counted | {"matrix": matrix, "preconditioner": ENTRY * pencil.nonzeros / size, "iteration": 0.0}
+    if not hasattr(solver, "ksp") or not solver.ksp.getOperators()[0].getType():
         return counted | {"matrix": 0.0, "preconditioner": 0.0, "iteration": 0.0}
-    fields = mat.getSize()[0] // len(space.X)
-    matrix = ENTRY * mat.getInfo(PETSc.Mat.InfoType.LOCAL)["nz_used"]
-    stored, passed = _applied(solver.ksp.getPC(), fields, int(last - first), len(space.X), size)
-    vectors = 8 * VECTORS * fields * int(last - first)
+    mat, pc = solver.ksp.getOperators()[0], solver.ksp.getPC()
+    unknowns = mat.getSize()[0]
+    fields = max(1, unknowns // len(space.X))
+    own = mat.getLocalSize()[0]
+    matrix = ENTRY * mat.getInfo(local)["nz_used"]
+    stored, passed = _applied(pc, fields, own // fields, unknowns // fields, size)
+    vectors = 8 * VECTORS * own
     return counted | {"matrix": matrix, "preconditioner": stored, "iteration": matrix + passed + vectors}
 
 

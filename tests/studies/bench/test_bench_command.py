@@ -126,6 +126,7 @@ TIMED = (
     "size",
     "reach",
     "scaling",
+    "large",
     "order",
     "eigen",
     "drags",

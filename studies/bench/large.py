@@ -1,0 +1,175 @@
+"""Large problems: a drag of a shape in the plane, of a body in space, and of one in motion, under policies of reuse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+from pathlib import Path
+from statistics import mean, median
+from typing import Any
+
+from petsc4py import PETSc
+from restshape_studies.bench.job import Job, Outcome, Row, run
+from restshape_studies.bench.order import sizes
+from restshape_studies.bench.rank_process import own_work, peak_mb
+from restshape_studies.bench.size import write_script
+from restshape_studies.bench.turns import Announce
+
+from restshape.errors import UserError
+from restshape.replay.loop import Replay
+from restshape.replay.request import Request
+from restshape.scene.load import load_scene
+
+PREDICTED = "predicted"
+"""Beside policies: the frames of the drag, predicted linearly."""
+LONG = 5
+"""Frames of policies without reuse, whose every frame costs the same."""
+Play = Callable[[Job, float], Outcome]
+
+
+@dataclass(frozen=True)
+class Large:
+    """A problem that can be as large as wanted.
+
+    Args:
+        title: of it, for people.
+        scene: name of an installed one.
+        unknowns: about how many.
+        frames: of the drag.
+        on, at, step: what the hand holds, where [m], and how far it goes a frame [m].
+        overrides: ``key=value`` as after --set.
+        policies: that are compared, and `PREDICTED`.
+    """
+
+    title: str
+    scene: str
+    unknowns: float
+    frames: int
+    on: str
+    at: tuple[float, float]
+    step: tuple[float, float]
+    overrides: tuple[str, ...] = ()
+    policies: tuple[str, ...] = ("auto", "refactor", "rebuild", PREDICTED)
+
+    def events(self) -> list[dict[str, Any]]:
+        """The drag."""
+        (x, y), (dx, dy) = self.at, self.step
+        way = [{"do": "drag", "to": [x + k * dx, y + k * dy]} for k in range(1, self.frames + 1)]
+        return [
+            {"t": round(k / 60, 6), **event}
+            for k, event in enumerate([{"do": "press", "on": self.on, "at": [x, y]}, *way])
+        ]
+
+
+CASES = {
+    "plane": Large("plate whose hole is dragged", "plate", 1e6, 50, "window", (0.4, 0.5), (0.002, 0.0)),
+    "space": Large(
+        "one tone of a bar of tetrahedra whose end is dragged",
+        "bar_200",
+        3e5,
+        50,
+        "right",
+        (0.2, 0.015),
+        (0.0002, 0.0),
+        ("mesh.layers=4",),
+    ),
+    "motion": Large(
+        "building on shaking ground whose window is dragged, a step of Newmark's method a frame",
+        "building",
+        1e6,
+        10,
+        "right_top",
+        (5.7, 16.6),
+        (0.0, -0.005),
+        ("effects.dynamics.steps=1",),
+        ("auto", "refactor"),
+    ),
+}
+"""By name; sizes that the thesis aims at, and more."""
+
+
+def study(
+    case: Large,
+    scene: Path,
+    unknowns: float,
+    folder: Path,
+    overrides: Sequence[str],
+    seconds: float,
+    announce: Announce,
+    play: Play = run,
+) -> Row:
+    """The record of a case, as `bench large --json` writes it.
+
+    Args:
+        case: what is dragged.
+        scene: its file.
+        unknowns: about how many.
+        folder: for the script.
+        overrides: ``key=value`` as after --set.
+        seconds: that each replay may take.
+        announce: called with what comes next; play: runs a job.
+
+    Raises:
+        UserError: the scene cannot be replayed.
+    """
+    given, script = (*case.overrides, *overrides), folder / "drag.jsonl"
+    write_script(script, case.events())
+    job = Job(str(scene), str(script), "auto", given, measure="large", details={"frames": 0})
+    first = play(job, seconds)
+    own = first.found
+    if own is None:
+        raise UserError(f"its first shape: {first.problem}", str(scene), f"restshape replay {scene}")
+    factor = sqrt(own["unknowns"] / unknowns)
+    job = replace(job, overrides=(*given, *sizes(load_scene(scene, given), factor)))
+    found: Row = {"title": case.title, "policies": {}}
+    for policy in case.policies:
+        announce(f"{case.title}: {policy}, about {unknowns:,.0f} unknowns")
+        predict = "linear" if policy == PREDICTED else "none"
+        frames = case.frames if policy in ("auto", PREDICTED) else min(LONG, case.frames)
+        name = "auto" if policy == PREDICTED else policy
+        one = play(replace(job, policy=name, predict=predict, details={"frames": frames}), seconds)
+        found["policies"][policy] = one.found or {"problem": one.problem or "nothing was measured"}
+    return found | {"ratios": ratios(found["policies"])}
+
+
+def ratios(policies: Row) -> dict[str, float]:
+    """How many times the time of `auto` the median frame of each other policy takes."""
+    own = policies.get("auto", {}).get("ms")
+    others = {name: one.get("ms") for name, one in policies.items() if name not in ("auto", PREDICTED)}
+    return {name: ms / own for name, ms in others.items() if ms and own}
+
+
+def measure(request: Request, frames: int) -> Row:
+    """What a replay of a drag takes, up to so many frames that move nodes; 0: of its first frame alone.
+
+    Returns: unknowns, elements; first_ms; frames that moved, ms (p50), iterations (mean), refreshes, levels (each
+        frame's), preconditioner; peak_mb, base_mb (libraries), stored_mb (matrices and preconditioner).
+
+    Raises:
+        UserError: the first shape has no solution.
+    """
+    base = peak_mb()
+    replay = Replay(request, PETSc.COMM_WORLD)
+    replay.errors.estimating = False
+    first: Row = {}
+    moved: list[Row] = []
+    for row in replay.frames():
+        first = first or dict(row)
+        if row["index"] and (row["level"] or row["predicted"]) and not row["refused"]:
+            moved.append(dict(row))
+        if len(moved) >= frames:
+            break
+    work = own_work(replay)
+    stored = 1e-6 * (work["matrix"] + work["preconditioner"])
+    found = {"unknowns": first["unknowns"], "elements": first["elements"], "first_ms": first["ms"]}
+    found |= {"peak_mb": peak_mb(), "base_mb": base, "stored_mb": stored, "frames": len(moved)}
+    if moved:
+        found |= {
+            "ms": median(row["ms"] for row in moved),
+            "iterations": mean(row["iterations"] for row in moved),
+            "refreshes": int(sum(row["pc_rebuilt"] for row in moved)),
+            "levels": [int(row["level"]) for row in moved],
+            "preconditioner": moved[-1]["preconditioner"],
+        }
+    return found

@@ -1,0 +1,59 @@
+"""`restshape bench large` on small meshes: drags in the plane, in space and in motion; no time is asserted."""
+
+import json
+
+import pytest
+from restshape_studies.bench.job import Outcome
+from restshape_studies.bench.large import CASES, ratios, study
+
+from restshape.errors import UserError
+
+
+def of_case(name, tmp_path, command, unknowns=400):
+    done = command("bench", "large", "--cases", name, "--unknowns", unknowns, "--json", "a.json")
+    assert done.returncode == 0, done.stderr
+    for words in (CASES[name].title, "over auto", "rest over these"):
+        assert words in done.stdout
+    found = json.loads((tmp_path / "a.json").read_text())[name]
+    for one in found["policies"].values():
+        assert one["unknowns"] == pytest.approx(unknowns, rel=0.5) and one["ms"] > 0.0 and one["stored_mb"] > 0.0
+    return found["policies"]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("jobs_here")
+def test_a_shape_in_the_plane(tmp_path, command):
+    found = of_case("plane", tmp_path, command)
+    assert list(found) == ["auto", "refactor", "rebuild", "predicted"]
+    assert (found["auto"]["frames"], found["rebuild"]["frames"]) == (50, 5)
+    assert found["auto"]["refreshes"] < 10 and found["refactor"]["refreshes"] == 5
+    assert set(found["rebuild"]["levels"]) == {3} and found["predicted"]["iterations"] == 0.0
+
+
+@pytest.mark.weekly
+@pytest.mark.parametrize("name", ["space", "motion"])
+@pytest.mark.usefixtures("jobs_here")
+def test_a_body_in_space_and_one_in_motion(tmp_path, command, name):
+    found = of_case(name, tmp_path, command, 2000)
+    assert found["auto"]["frames"] == CASES[name].frames and set(found["auto"]["levels"]) == {1}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"), [(("plate",), "SCENE"), (("--unknowns", 1), "--unknowns"), (("--cases", "sphere"), "sphere")]
+)
+def test_bad_input_of_large(command, words, said):
+    done = command("bench", "large", *words)
+    assert done.returncode == 2 and said in done.stderr and done.stdout == ""
+
+
+def test_ratios_are_of_what_came_to_an_end():
+    assert ratios({"auto": {"ms": 2.0}, "refactor": {"ms": 8.0}, "rebuild": {"problem": "stopped"}}) == {
+        "refactor": 4.0
+    }
+    assert ratios({"auto": {"problem": "stopped"}, "refactor": {"ms": 8.0}}) == {}
+
+
+def test_a_case_without_a_first_frame_says_why(tmp_path):
+    given = (CASES["plane"], tmp_path / "a.toml", 500.0, tmp_path, (), 9.0, lambda words: None)
+    with pytest.raises(UserError, match="killed by the system"):
+        study(*given, lambda job, seconds: Outcome([], "killed by the system, as when memory runs out"))
