@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from pathlib import Path
 from statistics import mean, median
+from time import perf_counter
 from typing import Any
 
 from petsc4py import PETSc
@@ -25,6 +26,8 @@ PREDICTED = "predicted"
 """Beside policies: the frames of the drag, predicted linearly."""
 LONG = 5
 """Frames of policies without reuse, whose every frame costs the same."""
+ENOUGH = 0.7
+"""Of the time of a replay, after which no other frame begins: what was measured so far is kept."""
 Play = Callable[[Job, float], Outcome]
 
 
@@ -34,7 +37,7 @@ class Large:
 
     Args:
         title: of it, for people.
-        scene: name of an installed one.
+        scene: name of an installed one, with its application.
         unknowns: about how many.
         frames: of the drag.
         on, at, step: what the hand holds, where [m], and how far it goes a frame [m].
@@ -63,10 +66,10 @@ class Large:
 
 
 CASES = {
-    "plane": Large("plate whose hole is dragged", "plate", 1e6, 50, "window", (0.4, 0.5), (0.002, 0.0)),
+    "plane": Large("plate whose hole is dragged", "solid/plate", 1e6, 50, "window", (0.4, 0.5), (0.002, 0.0)),
     "space": Large(
         "one tone of a bar of tetrahedra whose end is dragged",
-        "bar_200",
+        "metallophone/bar_200",
         3e5,
         50,
         "right",
@@ -76,7 +79,7 @@ CASES = {
     ),
     "motion": Large(
         "building on shaking ground whose window is dragged, a step of Newmark's method a frame",
-        "building",
+        "vibration/building",
         1e6,
         10,
         "right_top",
@@ -115,7 +118,7 @@ def study(
     """
     given, script = (*case.overrides, *overrides), folder / "drag.jsonl"
     write_script(script, case.events())
-    job = Job(str(scene), str(script), "auto", given, measure="large", details={"frames": 0})
+    job = Job(str(scene), str(script), "auto", given, measure="large", details={"frames": 0, "seconds": seconds})
     first = play(job, seconds)
     own = first.found
     if own is None:
@@ -128,7 +131,9 @@ def study(
         predict = "linear" if policy == PREDICTED else "none"
         frames = case.frames if policy in ("auto", PREDICTED) else min(LONG, case.frames)
         name = "auto" if policy == PREDICTED else policy
-        one = play(replace(job, policy=name, predict=predict, details={"frames": frames}), seconds)
+        one = play(
+            replace(job, policy=name, predict=predict, details={"frames": frames, "seconds": ENOUGH * seconds}), seconds
+        )
         found["policies"][policy] = one.found or {"problem": one.problem or "nothing was measured"}
     return found | {"ratios": ratios(found["policies"])}
 
@@ -140,8 +145,13 @@ def ratios(policies: Row) -> dict[str, float]:
     return {name: ms / own for name, ms in others.items() if ms and own}
 
 
-def measure(request: Request, frames: int) -> Row:
-    """What a replay of a drag takes, up to so many frames that move nodes; 0: of its first frame alone.
+def measure(request: Request, frames: int, seconds: float) -> Row:
+    """What a replay of a drag takes.
+
+    Args:
+        request: the replay.
+        frames: that move nodes, after which it ends; 0: after the first one, which moves none.
+        seconds: after which no other frame begins.
 
     Returns: unknowns, elements; first_ms; frames that moved, ms (p50), iterations (mean), refreshes, levels (each
         frame's), preconditioner; peak_mb, base_mb (libraries), stored_mb (matrices and preconditioner).
@@ -149,7 +159,7 @@ def measure(request: Request, frames: int) -> Row:
     Raises:
         UserError: the first shape has no solution.
     """
-    base = peak_mb()
+    base, begun = peak_mb(), perf_counter()
     replay = Replay(request, PETSc.COMM_WORLD)
     replay.errors.estimating = False
     first: Row = {}
@@ -158,7 +168,7 @@ def measure(request: Request, frames: int) -> Row:
         first = first or dict(row)
         if row["index"] and (row["level"] or row["predicted"]) and not row["refused"]:
             moved.append(dict(row))
-        if len(moved) >= frames:
+        if len(moved) >= frames or perf_counter() - begun > seconds:
             break
     work = own_work(replay)
     stored = 1e-6 * (work["matrix"] + work["preconditioner"])
