@@ -243,14 +243,11 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """The scene's quantities of interest at the last solution, evaluated once a solution."""
         state = self.state
         if self._observed[0] is not state:
-            self._observed = (state, state.observer(self._observed_unknowns(state)))
+            part = self.parts.found if self.parts.solved is state else None
+            functions = state.observer.functions
+            known = state.observer(state.x) if part is None else part.observe(functions, lambda: state.x)
+            self._observed = (state, known)
         return self._observed[1]
-
-    def _observed_unknowns(self, state: SteadyState[P]) -> np.ndarray:
-        """The unknowns (n, f), of which those hold that quantities hang on."""
-        part = self.parts.found if self.parts.solved is state else None
-        nodes = state.observer.reads if part is not None else None
-        return state.x if part is None or nodes is None else part.at(nodes)
 
     def row(self) -> RowValues:
         """Columns of the frame's row that only this analysis has: none."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import cast
 
 import numpy as np
@@ -13,8 +13,10 @@ from restshape.algebra.condensation import Condensation
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Block, CellSubset, MatrixTerm, Operator
+from restshape.analysis.border_quantities import BorderQuantities
 from restshape.analysis.guess import Guess
 from restshape.fem.integral import Integral
+from restshape.fem.observer import Function, Observer
 from restshape.fem.problem import INTERNAL, SteadyProblem
 
 TIGHTER = 1e-2
@@ -118,7 +120,8 @@ class Substructure:
             PETSc.Vec().createWithArray(array, size=(count, count), comm=whole.comm)
             for array in (self._right, self._found)
         )
-        self._some = np.zeros(mask.shape)
+        self._some, self._free = np.zeros(mask.shape), mask.ravel()[part.rest] == 0
+        self._quantities: tuple[BorderQuantities | None, object] = (None, None)
         self._new, self._patched, self._norm = True, False, 0.0
         self.scale: float | None = None
         self._force, self._alone, self._taken = np.empty(0), np.empty(0), np.empty(0)
@@ -270,6 +273,32 @@ class Substructure:
             return x
 
         return recover
+
+    def at_border(self) -> np.ndarray:
+        """The free unknowns (m,) of the border at the last solve, less what is prescribed."""
+        return self._found[self.part.border]
+
+    def seen_from_border(self, load: np.ndarray) -> np.ndarray:
+        """The vector (m,) whose product with the border's unknowns is that of `load` (n, f) with all that follow."""
+        inside = self._rest.alone(load.ravel()[self.part.rest] * self._free)
+        return np.asarray(load.ravel()[self.part.border_rows] - self._rest.on_border(inside))
+
+    def observe(self, functions: Mapping[str, Function], whole: Callable[[], np.ndarray]) -> dict[str, float]:
+        """Values of quantities at the last solve.
+
+        Args:
+            functions: by name.
+            whole: gives the unknowns (n, f) of all.
+        """
+        known, alone = self._quantities
+        if known is None or known.functions is not functions or alone is not self._alone:
+            known = BorderQuantities(self, whole, functions)
+            self._quantities = known, self._alone
+        found = known(self)
+        others = Observer({name: one for name, one in functions.items() if name not in found})
+        nodes = others.reads
+        found |= others(whole() if nodes is None else self.at(nodes))
+        return {name: found[name] for name in functions}
 
     def at(self, nodes: np.ndarray) -> np.ndarray:
         """Unknowns (n, f) of the last solve that hold at nodes (k,) alone, at others anything; not to be kept."""
