@@ -102,12 +102,17 @@ def test_quantities_at_few_nodes_are_those_of_the_whole(tmp_path):
     local = '[quantities]\nstretch = { displacement = "x", at = "right", reduce = "mean" }\n'
     local += 'wall = { reaction = "x", at = "left" }\n'
     local += 'hole = { displacement = "magnitude", at = "window", reduce = "max" }\n'
+    # The length of a mean is not linear, nor is the largest value; energies hang on all.
+    local += 'bend = { displacement = "magnitude", at = "right", reduce = "mean" }\n'
+    local += 'far = { displacement = "y", at = "right", reduce = "max" }\nenergy = { energy = "strain" }\n'
     made = replay(tmp_path, PLATE + meshed(0.12) + "reach = 0.12\n" + TIGHT + local, WINDOW)
     for row in made.frames():
         if row["level"] == 1:
             whole = made.analysis.state.observer(made.analysis.cold_unknowns())
             for name in whole:
                 assert row[f"q_{name}"] == pytest.approx(whole[name], rel=1e-9)
+            known, _ = made.analysis.parts.found._quantities
+            assert set(known.values) == {"stretch", "wall"}
 
 
 def test_rest_is_found_when_it_is_asked_for(tmp_path, monkeypatch):

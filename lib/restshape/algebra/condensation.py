@@ -45,6 +45,8 @@ class Condensation:
         self.count, self.border = matrix.shape[0] - border, border
         own = matrix[self.count :, self.count :].toarray()
         self._beside = sp.csr_matrix(matrix[: self.count, self.count :])
+        # Most unknowns inside have no cell in common with the border.
+        self._next_to_border = self._beside[np.flatnonzero(np.diff(self._beside.indptr))]
         self._beside_back = sp.csr_matrix(self._beside.T)
         inside = matrix[: self.count, : self.count]
         local = sp.csr_matrix(sp.bmat([[inside, self._beside], [self._beside_back, None]]))
@@ -103,7 +105,7 @@ class Condensation:
 
     def _beyond(self, at_border: Reals) -> float:
         """The same of what is in none of the ways."""
-        return float(np.linalg.norm(self._beside @ self._split(at_border)[1]))
+        return float(np.linalg.norm(self._next_to_border @ self._split(at_border)[1]))
 
     def _split(self, at_border: Reals) -> tuple[Reals, Reals]:
         """The weights (k,) of the known ways in unknowns (m,), and what they leave."""

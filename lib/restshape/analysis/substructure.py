@@ -124,7 +124,8 @@ class Substructure:
         self._quantities: tuple[BorderQuantities | None, object] = (None, None)
         self._new, self._patched, self._norm = True, False, 0.0
         self.scale: float | None = None
-        self._force, self._alone, self._taken = np.empty(0), np.empty(0), np.empty(0)
+        self._loads = self._force = self._alone = self._taken = np.empty(0)
+        self._force_size = 0.0
 
     @property
     def tolerance(self) -> float:
@@ -249,17 +250,24 @@ class Substructure:
     def _assemble(self, right: np.ndarray, values: np.ndarray) -> PETSc.Mat:
         """The matrix, and the right side less what the rest takes; sets the norm that the whole one has."""
         part = self.part
-        force = (right.ravel() + self._fixed_right.ravel())[part.rest]
-        if not np.array_equal(force, self._force):
-            self._force, self._alone = force, self._rest.alone(force)
-            self._taken = self._rest.on_border(self._alone)
+        if not np.array_equal(right, self._loads):
+            self._take_loads(right)
         own = right[part.nodes] + self._fixed_right[part.nodes]
         terms = self._terms(values, part.entities, lambda block, some: block)
         mat = self.operator.assemble(terms, own.ravel(), kept=True)
         self._right[:] = own.ravel()
-        self._norm = float(np.hypot(np.linalg.norm(self._force), np.linalg.norm(self._right)))
+        self._norm = float(np.hypot(self._force_size, np.linalg.norm(self._right)))
         self._right[part.border] -= self._taken
         return mat
+
+    def _take_loads(self, right: np.ndarray) -> None:
+        """Find what the rest does under other dead loads (n, f); often those of the moving part alone have changed."""
+        self._loads = right.copy()
+        force = (right.ravel() + self._fixed_right.ravel())[self.part.rest]
+        if not np.array_equal(force, self._force):
+            self._force, self._alone = force, self._rest.alone(force)
+            self._taken = self._rest.on_border(self._alone)
+            self._force_size = float(np.linalg.norm(force))
 
     def unknowns(self) -> Callable[[], np.ndarray]:
         """What recovers the unknowns (n, f) of all, of the last solve; the rest of them is found when it is called."""
