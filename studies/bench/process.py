@@ -4,6 +4,7 @@ import json
 import os
 import resource
 import sys
+import time
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
@@ -53,7 +54,9 @@ def play(job: Job, report: Any) -> None:
     replay.errors.estimating = job.estimate
     counts = EventCounts() if job.count else None
     left = {int(level): number for level, number in job.enough.items()}
+    begin = time.process_time()
     for row in islice(replay.frames(), job.frames):
+        row["cpu_ms"] = 1e3 * (time.process_time() - begin)
         row["rss_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         if counts:
             row["events"] = counts.since_last()
@@ -62,6 +65,7 @@ def play(job: Job, report: Any) -> None:
             left[row["level"]] -= 1
             if not left[row["level"]]:
                 return
+        begin = time.process_time()
 
 
 def measured(job: Job, report: Any) -> None:

@@ -6,15 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-import numpy as np
 from restshape_studies.bench.job import Job, Row, run
 from restshape_studies.bench.size import HOLE, SMALL_STEP, START, mesh_size, write_script
 from restshape_studies.bench.turns import Announce, Play, in_turns, median_ratio
 
 AREA, RADIUS = 2.0, 0.12
 """Of the plate without its hole [m^2], and of the hole [m]."""
-PERCENTILES = {"p10": 0.1, "p50": 0.5}
-"""Of the frames' times: other work of the machine lengthens short frames most, and the tenth hardly."""
+TIMES = {"p50_ms": "ms", "cpu_p50_ms": "cpu_ms"}
+"""Medians: of a frame's time, and of its processor's, which other work of the machine hardly lengthens."""
 WHOLE, PART = "the whole", "with reach"
 
 
@@ -64,7 +63,7 @@ def study(
     return {
         "reach": reach,
         "records": {key: record(found) for key, found in runs.items()},
-        "ratios": {name: _ratio(runs, share) for name, share in PERCENTILES.items()},
+        "ratios": {name: _ratio(runs, column) for name, column in TIMES.items()},
     }
 
 
@@ -85,18 +84,18 @@ def record(runs: Sequence[Sequence[Row]]) -> Row:
         "unknowns": first[0]["unknowns"],
         "frames": len(moved(first)),
         "iterations": sum(row["iterations"] for row in moved(first)) / len(moved(first)),
-        **{f"{name}_ms": median(_percentile(one, share) for one in runs) for name, share in PERCENTILES.items()},
+        **{name: median(_middle(one, column) for one in runs) for name, column in TIMES.items()},
         "press_ms": median(rows[1]["ms"] for rows in runs),
         "drag_ms": median(sum(row["ms"] for row in rows[1:]) for rows in runs),
         "stages": {key[3:]: median(row[key] for row in rows) for key in stages},
     }
 
 
-def _percentile(rows: Sequence[Row], share: float) -> float:
-    """The time [ms] within which that share of its frames of level 1 are."""
-    return float(np.percentile([row["ms"] for row in moved(rows)], 100.0 * share))
+def _middle(rows: Sequence[Row], column: str) -> float:
+    """The median time [ms] of its frames of level 1."""
+    return median(row[column] for row in moved(rows))
 
 
-def _ratio(runs: dict[str, list[list[Row]]], share: float) -> float | None:
-    whole, part = ([_percentile(rows, share) for rows in runs[key]] for key in (WHOLE, PART))
+def _ratio(runs: dict[str, list[list[Row]]], column: str) -> float | None:
+    whole, part = ([_middle(rows, column) for rows in runs[key]] for key in (WHOLE, PART))
     return median_ratio(whole, part)
