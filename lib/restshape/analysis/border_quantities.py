@@ -2,22 +2,40 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 import numpy as np
 
 from restshape.fem.assembled import Assembled
 from restshape.fem.observer import Function
-from restshape.fem.problem import STIFFNESS
+from restshape.fem.problem import STIFFNESS, SteadyProblem
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from restshape.analysis.substructure import Substructure
     from restshape.fem.derivative import Differentiable
 
 LINEAR = 1e-12
 """Difference of derivatives at two states, relative, up to which a quantity is linear."""
+
+
+class Condensed(Protocol):
+    """A part of a problem that is solved for by itself, with the rest condensed onto its border.
+
+    Attributes:
+        problem: all of it.
+    """
+
+    problem: SteadyProblem
+
+    def stays(self) -> np.ndarray:
+        """Which nodes (n,) have cells alone that stay, or are on the border."""
+
+    def at_border(self) -> np.ndarray:
+        """The free unknowns (m,) of the border at the last solve, less what is prescribed."""
+
+    def seen_from_border(self, load: np.ndarray) -> np.ndarray:
+        """The vector (m,) whose product with the border's unknowns is that of `load` (n, f) with all that follow."""
 
 
 class BorderQuantities:
@@ -34,10 +52,9 @@ class BorderQuantities:
     Source: docs/theory/substructures.md.
     """
 
-    def __init__(self, part: Substructure, whole: Callable[[], np.ndarray], functions: Mapping[str, Function]) -> None:
+    def __init__(self, part: Condensed, whole: Callable[[], np.ndarray], functions: Mapping[str, Function]) -> None:
         self.functions, self._start = functions, part.at_border()
-        stays = part.part.local < 0
-        stays[part.part.nodes[part.part.border_nodes]] = True
+        stays = part.stays()
         self.values: dict[str, float] = {}
         slopes = []
         for name, function in functions.items():
@@ -51,7 +68,7 @@ class BorderQuantities:
         self._slopes = np.array(slopes).reshape(len(slopes), len(self._start))
 
     @staticmethod
-    def _slope(part: Substructure, function: Differentiable, x: np.ndarray) -> np.ndarray | None:
+    def _slope(part: Condensed, function: Differentiable, x: np.ndarray) -> np.ndarray | None:
         """How a quantity changes with the unknowns of the border (m,); None where that is not linear."""
         found, other = function.derivative(x), function.derivative(np.ascontiguousarray(x[::-1]))
         size = np.abs(found.load).max()
@@ -62,7 +79,7 @@ class BorderQuantities:
             load = load + Assembled(part.problem.integrals(STIFFNESS)).tangent_product(x, found.lift)
         return part.seen_from_border(load)
 
-    def __call__(self, part: Substructure) -> dict[str, float]:
+    def __call__(self, part: Condensed) -> dict[str, float]:
         """Their values after the last solve."""
         changes = self._slopes @ (part.at_border() - self._start)
         return {name: value + float(change) for (name, value), change in zip(self.values.items(), changes)}

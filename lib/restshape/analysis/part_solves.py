@@ -56,7 +56,7 @@ class PartSolves:
             self._key, self.solved = (part, problem), None
             self.found = self._made(part, problem, whole)
         found = self.found
-        if found is not None and not found.stays():
+        if found is not None and not found.values_stay():
             log.info("Reach: values of the part that stays change with the shape, and the whole is solved for")
             return None
         return found

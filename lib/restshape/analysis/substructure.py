@@ -181,7 +181,7 @@ class Substructure:
         core.keep()
         core.end()
 
-    def stays(self) -> bool:
+    def values_stay(self) -> bool:
         """Whether the values of the cells that stay are what they were, after a look at where the nodes are now."""
         if not self.problem.varies:
             return True
@@ -281,6 +281,12 @@ class Substructure:
             return x
 
         return recover
+
+    def stays(self) -> np.ndarray:
+        """Which nodes (n,) have cells alone that stay, or are on the border."""
+        stays = self.part.local < 0
+        stays[self.part.nodes[self.part.border_nodes]] = True
+        return stays
 
     def at_border(self) -> np.ndarray:
         """The free unknowns (m,) of the border at the last solve, less what is prescribed."""
