@@ -9,7 +9,7 @@ from restshape_studies.bench.large import CASES, ratios, study
 from restshape.errors import UserError
 
 
-def of_case(name, tmp_path, command, unknowns=400):
+def of_case(name, tmp_path, command, unknowns=1000):
     done = command("bench", "large", "--cases", name, "--unknowns", unknowns, "--json", "a.json")
     assert done.returncode == 0, done.stderr
     for words in (CASES[name].title, "over auto", "rest over these"):
