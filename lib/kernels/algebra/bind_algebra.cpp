@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "algebra/block_product.hpp"
+#include "algebra/grid_cycle.hpp"
 #include "algebra/node_cholesky.hpp"
 #include "algebra/node_lu.hpp"
 #include "algebra/node_relaxation.hpp"
@@ -65,6 +66,20 @@ void bind_algebra(py::module_& m) {
         "Make PETSc know the KSP type NODE_SSOR: conjugate gradients with symmetric over-relaxation, in blocks of "
         "three "
         "unknowns a node, which read the matrix once an iteration.");
+    m.def(
+        "cycle_in_single",
+        [](intptr_t pc) {
+            PetscBool done = PETSC_FALSE;
+            restshape::check(restshape::cycle_in_single(reinterpret_cast<PC>(pc), &done), "PCApply");
+            return done == PETSC_TRUE;
+        },
+        py::arg("pc"),
+        "Have the preconditioner with this handle, algebraic multigrid that has just been set up, go by V-cycles in "
+        "single precision. Returns whether it does.");
+    m.def(
+        "forget_cycle",
+        [](intptr_t pc) { restshape::check(restshape::forget_cycle(reinterpret_cast<PC>(pc)), "PetscObjectCompose"); },
+        py::arg("pc"), "Let go of what cycle_in_single has made of the preconditioner with this handle.");
     m.def(
         "multiply_in_registers",
         [](intptr_t mat) {

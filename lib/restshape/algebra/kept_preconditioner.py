@@ -10,7 +10,14 @@ from restshape.algebra.candidates import DECADES, ILU, THESIS_FLOW, Candidate
 from restshape.algebra.choice import Choice
 from restshape.algebra.krylov_method import set_krylov
 from restshape.algebra.pivots import factors_of, negative_pivots, zero_pivots
-from restshape.algebra.preconditioner import COMPLETE, kind_of, nonzeros, set_preconditioner, set_rigid_motions
+from restshape.algebra.preconditioner import (
+    COMPLETE,
+    cycle_in_single,
+    kind_of,
+    nonzeros,
+    set_preconditioner,
+    set_rigid_motions,
+)
 from restshape.algebra.prices import Prices, Size, prices
 from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
@@ -196,6 +203,8 @@ class KeptPreconditioner:
         self.ksp.setUp()
         if self.ranks > 1:
             self.ksp.setUpOnBlocks()
+        if self.kind == "gamg":
+            cycle_in_single(pc)
         pc.setReusePreconditioner(True)
         self.ready, self.pattern_changed = True, False
 
@@ -250,6 +259,7 @@ class KeptPreconditioner:
 
     def _reset(self) -> None:
         """Let go of what was made."""
+        _kernels.forget_cycle(self.ksp.getPC().handle)
         self.ksp.reset()
         self.flipped, self._corrected = NOWHERE, False
 

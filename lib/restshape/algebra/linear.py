@@ -28,7 +28,7 @@ __all__ = ["COMPLETE", "METHODS", "MOST_ITERATIONS", "LinearSolver"]
 METHODS = ("direct", "stale", "auto", "ilu")
 MOST_ITERATIONS = 10_000
 """An iteration that has not ended by then never will: the preconditioner is rebuilt, or the frame given up."""
-PROJECTED = 0.2
+PROJECTED, PROJECTED_MULTIGRID = 0.2, 0.3
 """Part of the iterations of a solve that projection of the guess saves, one at least: measured on the dragged plate."""
 INCOMPLETE = 0.25
 """An incomplete preconditioner leaves smooth errors, whose energy the residual reports too small (by up to 2.2 on the
@@ -392,7 +392,8 @@ class LinearSolver:
         price, size, calibration = self.kept.price(), self.kept.size, self.kept.choice.calibration
         if self.projection:
             spent = (self.projection.directions + 1) * calibration.pass_seconds(size.unknowns, size.nonzeros)
-            saved = max(1.0, PROJECTED * self.refresh.fresh_iterations) * size.ranks * price.iteration
+            share = PROJECTED_MULTIGRID if self.kind == "gamg" else PROJECTED
+            saved = max(1.0, share * self.refresh.fresh_iterations) * size.ranks * price.iteration
             self.projection.pays = spent < saved
         product = calibration.matvec_nonzero * size.nonzeros / size.ranks
         self.refresh.set_refresh_price(price, self.kept.pattern_changed, product)

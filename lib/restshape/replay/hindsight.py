@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from restshape.algebra.krylov_method import set_krylov, solve_from
 from restshape.algebra.linear import MOST_ITERATIONS, LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.preconditioner import set_preconditioner, set_rigid_motions
+from restshape.algebra.preconditioner import cycle_in_single, set_preconditioner, set_rigid_motions
 from restshape.algebra.prices import Prices, Size
 from restshape.algebra.schedule import Schedule
 from restshape.arrays import Reals
@@ -283,6 +283,8 @@ def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc
     ksp.setUp()
     if solver.comm.size > 1:
         ksp.setUpOnBlocks()
+    if manner.kind == "gamg":
+        cycle_in_single(ksp.getPC())
     options = PETSc.Options("hindsight_")
     for key in given:
         options.delValue(key)
