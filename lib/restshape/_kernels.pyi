@@ -31,6 +31,7 @@ __all__: list[str] = [
     "combine_rows",
     "correct_around",
     "curved_jacobian_bound",
+    "cycle_in_single",
     "distances",
     "edge_parameters",
     "edges_of_cells",
@@ -41,6 +42,7 @@ __all__: list[str] = [
     "extrude_nodes",
     "flop_rate",
     "follow_sides",
+    "forget_cycle",
     "gmls",
     "grade_sizes",
     "has_cgal",
@@ -639,6 +641,7 @@ def curved_jacobian_bound(
     cells: numpy.typing.NDArray[numpy.int32],
     subset: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
 ) -> numpy.typing.NDArray[numpy.float64]: ...
+def cycle_in_single(pc: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
 def distances(
     points: numpy.typing.NDArray[numpy.float64],
     starts: numpy.typing.NDArray[numpy.float64],
@@ -691,6 +694,7 @@ def follow_sides(
     curved_cells: numpy.typing.NDArray[numpy.int32],
     floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> int: ...
+def forget_cycle(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def gmls(
     hand: numpy.typing.NDArray[numpy.float64],
     last: numpy.typing.NDArray[numpy.float64],

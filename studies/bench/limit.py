@@ -19,8 +19,8 @@ from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.replay.tally import beside
 
-REAL, INDEX, PLACE = 8, 4, 2
-"""Bytes of a number, of an index, and of the place of a pair of nodes in a row of the matrix."""
+REAL, SINGLE, INDEX, PLACE = 8, 4, 4, 2
+"""Bytes of a number, of one in single precision, of an index, and of a pair of nodes' place in a row of the matrix."""
 VECTORS = 11
 """Vectors that an iteration of conjugate gradients reads or writes at least, without its preconditioner: read p and
 write A p; read p, A p, x, r and write x, r; read z, p and write p."""
@@ -69,21 +69,23 @@ class Applied:
 
     @classmethod
     def cycle(cls, grids: Sequence[tuple[int, int, int]], maps: Sequence[int]) -> Applied:
-        """A V-cycle of algebraic multigrid with two steps of Chebyshev's iteration before and behind.
+        """A V-cycle of algebraic multigrid in single precision, with a sweep before each coarser grid and one behind.
 
-        On each grid but the coarsest that is one product for the second step before, one for what is restricted and two
-        behind, each with its vectors.
+        On each grid but the coarsest each sweep passes the lower half of the matrix once, the inverse of the diagonal,
+        and behind the diagonal too; vectors are of double precision.
 
         Args:
             grids: rows, stored numbers and block size of each, the coarsest first.
             maps: stored numbers of each interpolation, which is passed down and up.
         """
-        sizes = [REAL * nz + INDEX * (nz // block**2) for _, nz, block in grids]
-        mapped = sum((REAL + INDEX) * nz for nz in maps)
-        smoothed = sum(4 * (size + 5 * REAL * rows) for size, (rows, _, _) in zip(sizes[1:], grids[1:]))
-        flops = sum(8 * nz + 4 * 6 * rows for rows, nz, _ in grids[1:]) + sum(4 * nz for nz in maps)
+        sizes = [SINGLE * nz + INDEX * (nz // block**2) for _, nz, block in grids]
+        mapped = sum((SINGLE + INDEX / 6) * nz for nz in maps)
+        smoothed = sum(
+            size + 2 * SINGLE * rows * block + 6 * REAL * rows for size, (rows, _, block) in zip(sizes[1:], grids[1:])
+        )
+        flops = sum(4 * (nz + rows * block) for rows, nz, block in grids[1:]) + sum(4 * nz for nz in maps)
         numbers = sum(nz for _, nz, _ in grids) + sum(maps)
-        return cls("gamg", numbers, sum(sizes) + mapped, smoothed + 2 * mapped, flops)
+        return cls("gamg", numbers, int(sum(sizes) + mapped), int(smoothed + 2 * mapped), flops)
 
 
 @dataclass(frozen=True)

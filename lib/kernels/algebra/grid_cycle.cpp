@@ -106,23 +106,35 @@ PetscErrorCode apply(PC pc, Vec b, Vec x) {
 
 std::unique_ptr<GridMatrix> matrix_of(PetscInt size) {
     switch (size) {
-        case 1: return std::make_unique<BlockGridMatrix<1>>();
-        case 2: return std::make_unique<BlockGridMatrix<2>>();
-        case 3: return std::make_unique<BlockGridMatrix<3>>();
-        case 6: return std::make_unique<BlockGridMatrix<6>>();
-        default: return nullptr;
+        case 1:
+            return std::make_unique<BlockGridMatrix<1>>();
+        case 2:
+            return std::make_unique<BlockGridMatrix<2>>();
+        case 3:
+            return std::make_unique<BlockGridMatrix<3>>();
+        case 6:
+            return std::make_unique<BlockGridMatrix<6>>();
+        default:
+            return nullptr;
     }
 }
 
 std::unique_ptr<GridTransfer> transfer_of(PetscInt fine, PetscInt coarse) {
     switch (10 * fine + coarse) {
-        case 11: return std::make_unique<BlockGridTransfer<1, 1>>();
-        case 22: return std::make_unique<BlockGridTransfer<2, 2>>();
-        case 23: return std::make_unique<BlockGridTransfer<2, 3>>();
-        case 33: return std::make_unique<BlockGridTransfer<3, 3>>();
-        case 36: return std::make_unique<BlockGridTransfer<3, 6>>();
-        case 66: return std::make_unique<BlockGridTransfer<6, 6>>();
-        default: return nullptr;
+        case 11:
+            return std::make_unique<BlockGridTransfer<1, 1>>();
+        case 22:
+            return std::make_unique<BlockGridTransfer<2, 2>>();
+        case 23:
+            return std::make_unique<BlockGridTransfer<2, 3>>();
+        case 33:
+            return std::make_unique<BlockGridTransfer<3, 3>>();
+        case 36:
+            return std::make_unique<BlockGridTransfer<3, 6>>();
+        case 66:
+            return std::make_unique<BlockGridTransfer<6, 6>>();
+        default:
+            return nullptr;
     }
 }
 

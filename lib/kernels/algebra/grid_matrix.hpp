@@ -43,8 +43,8 @@ class BlockGridMatrix final : public GridMatrix {
         const auto same = [](PetscInt column) { return column; };
         n_ = own.rows / B;
         lower_.set(own, n_, same, [](PetscInt i, PetscInt j) { return j < i; });
-        coupling_.set(coupling, n_, [&](PetscInt column) { return place[column]; },
-                      [](PetscInt, PetscInt) { return true; });
+        coupling_.set(
+            coupling, n_, [&](PetscInt column) { return place[column]; }, [](PetscInt, PetscInt) { return true; });
         // One more is read with the last column.
         own_.assign(static_cast<std::size_t>(n_) * B * B + 1, 0.0F);
         inverse_.assign(own_.size(), 0.0F);

@@ -22,8 +22,10 @@ class BlockGridTransfer final : public GridTransfer {
  public:
     void set(const StoredRows& own, const StoredRows& coupling, const std::vector<PetscInt>& place) override {
         const auto all = [](PetscInt, PetscInt) { return true; };
-        own_.set(own, own.rows / R, [](PetscInt column) { return column; }, all);
-        coupling_.set(coupling, own.rows / R, [&](PetscInt column) { return place[column]; }, all);
+        own_.set(
+            own, own.rows / R, [](PetscInt column) { return column; }, all);
+        coupling_.set(
+            coupling, own.rows / R, [&](PetscInt column) { return place[column]; }, all);
     }
     void restrict_to(const double* r, double* coarse, double* ghosts) const override {
         for (PetscInt i = 0; i < own_.rows(); ++i) {

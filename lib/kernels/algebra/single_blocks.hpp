@@ -79,8 +79,9 @@ struct SingleBlocks {
     std::vector<PetscInt> start, column;
     std::vector<float> value;
 
-    // Takes in `count` rows of blocks, all empty where `from` has no rows; `place` is where a column of theirs stands among padded ones, and a block stays where `keeps` says
-    // so of its row and column. What a row of a block lacks is zero.
+    // Takes in `count` rows of blocks, all empty where `from` has no rows; `place` is where a column of theirs stands
+    // among padded ones, and a block stays where `keeps` says so of its row and column. What a row of a block lacks is
+    // zero.
     template <class Place, class Keeps>
     void set(const StoredRows& from, PetscInt count, const Place& place, const Keeps& keeps) {
         start.assign(1, 0);
@@ -138,8 +139,7 @@ struct SingleBlocks {
             }
             for (int r = 0; r < R; ++r)
                 for (; at[r] < from.start[i * R + r + 1] && place(from.column[at[r]]) / C == next; ++at[r])
-                    if (kept)
-                        value[to + place(from.column[at[r]]) % C * R + r] = static_cast<float>(from.value[at[r]]);
+                    if (kept) value[to + place(from.column[at[r]]) % C * R + r] = static_cast<float>(from.value[at[r]]);
         }
     }
 };

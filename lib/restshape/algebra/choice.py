@@ -5,7 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from restshape.algebra.candidates import Candidate, candidates
+from restshape.algebra.candidates import MORE_RANKS, Candidate, candidates
 from restshape.algebra.prices import Prices, Size, flow_prices, prices
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
@@ -230,12 +230,14 @@ class Choice:
         """Iterations that the prior expects of a fresh preconditioner."""
         prior = candidate.prior(size.dimension)
         # Patterns of nodes are what iterations and fill hang on, whatever the number of unknowns a node.
-        fresh, doublings = prior.fresh(size.unknowns / size.share), math.log2(size.ranks)
+        nodes = size.unknowns / size.share
+        fresh, doublings = prior.fresh(nodes), math.log2(size.ranks)
+        coupled = prior.exact(nodes) * doublings**MORE_RANKS
         if candidate.complete:
-            return fresh + prior.block * doublings
+            return fresh + coupled
         if candidate.kind in ("icc", "ilu"):
             fresh *= size.width**WIDER_FRESH
-        return fresh + max(prior.block * fresh, prior.exact) * doublings
+        return fresh + max(prior.block * fresh * doublings, coupled)
 
     def _prior_fill(self, candidate: Candidate, size: Size) -> float:
         prior = candidate.prior(size.dimension)

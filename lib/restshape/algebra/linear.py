@@ -393,7 +393,7 @@ class LinearSolver:
         if self.projection:
             spent = (self.projection.directions + 1) * calibration.pass_seconds(size.unknowns, size.nonzeros)
             share = PROJECTED_MULTIGRID if self.kind == "gamg" else PROJECTED
-            saved = max(1.0, share * self.refresh.fresh_iterations) * size.ranks * price.iteration
+            saved = max(1.0, share * self.kept.expected(self.refresh.fresh_iterations)) * size.ranks * price.iteration
             self.projection.pays = spent < saved
         product = calibration.matvec_nonzero * size.nonzeros / size.ranks
         self.refresh.set_refresh_price(price, self.kept.pattern_changed, product)

@@ -18,6 +18,7 @@ def set_preconditioner(
     blocks: bool = True,
     shifts: bool = True,
     overlap: int = 0,
+    symmetric: bool = False,
 ) -> list[str]:
     """Give a solver a preconditioner; what PETSc's options say of it goes first.
 
@@ -31,7 +32,9 @@ def set_preconditioner(
         pivots: a complete factor exchanges rows: MUMPS makes it, for PETSc's own do not.
         blocks: a complete Cholesky factor is made in blocks of a node.
         shifts: incomplete factors are made positive definite; matrices in blocks of a node (BAIJ) cannot be shifted so.
-        overlap: layers of other ranks' rows that a rank's factor has besides (restricted additive Schwarz).
+        overlap: layers of other ranks' rows that a rank's factor has besides.
+        symmetric: what these layers give is added (additive Schwarz), as conjugate gradients need it; else each rank
+            takes what its own factor gives (restricted).
 
     Returns: names of options that were put into PETSc's database, to be taken out after the set-up.
     """
@@ -42,6 +45,8 @@ def set_preconditioner(
         # Block Jacobi is additive Schwarz without overlap: petsc4py 3.18 gives the blocks' solvers for that only.
         pc.setType("asm")
         pc.setASMOverlap(overlap)
+        if symmetric:
+            pc.setASMType(PETSc.PC.ASMType.BASIC)
         wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks, shifts)}
         _kernels.register_node_cholesky()
     else:
@@ -71,9 +76,9 @@ def set_preconditioner(
 def cycle_in_single(pc: PETSc.PC) -> bool:
     """Have algebraic multigrid that has been set up go by restshape's own cycles, in single precision.
 
-    One sweep of Gauss and Seidel's before each coarse grid and one behind it read each matrix once, with half the bytes.
-    PETSc's own cycles, by Chebyshev's iteration, stay where its options say how grids are smoothed, and where matrices
-    are not positive definite.
+    One sweep of Gauss and Seidel's before each coarse grid and one behind it read each matrix once, with half the
+    bytes. PETSc's own cycles, by Chebyshev's iteration, stay where its options say how grids are smoothed, and where
+    matrices are not positive definite.
 
     Returns: whether they do.
     """

@@ -12,6 +12,9 @@ SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
 `python scripts/factors.py`. Complete Cholesky factors have blocks where a node has several unknowns."""
 ROW = 14.0
 """Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
+EXCHANGE, COARSENING = 5e-6, 10.0
+"""Seconds of an exchange of values at borders of ranks, or of a sum over them; unknowns of a grid of GAMG's over those of
+the next one, in the plane."""
 RESTART = 100
 """Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 
@@ -71,7 +74,7 @@ def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
         known = _of_single_numbers(known)
     filled = filled / size.ranks
     work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
-    once, product = known.pass_seconds(*work), known.matvec_nonzero * work[1]
+    once, product = known.pass_seconds(*work) + exchange_seconds(kind, size), known.matvec_nonzero * work[1]
     if kind in ("ilu", "icc"):
         numeric = (known.ilu_numeric_nonzero if kind == "ilu" else known.numeric_nonzero) * filled
         apply = known.ilu_solve_nonzero * filled if kind == "ilu" else known.solve_nonzero * 2.0 * filled
@@ -81,11 +84,19 @@ def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
         costs = known.gamg_solve_nonzero * filled + once, refresh, known.gamg_setup_nonzero * filled + once
     else:
         costs = (
-            known.iteration_seconds(*work, filled),
+            known.iteration_seconds(*work, filled) + exchange_seconds(kind, size),
             known.refresh_seconds(*work, filled),
             known.factor_seconds(*work, filled),
         )
     return Prices(*costs, costs[0] - once, product, once - product)
+
+
+def exchange_seconds(kind: str, size: Size) -> float:
+    """What an iteration waits for other ranks: a product, two sums, an overlap twice; of each grid four exchanges."""
+    if size.ranks == 1:
+        return 0.0
+    grids = math.ceil(math.log(max(COARSENING, size.unknowns), COARSENING))
+    return EXCHANGE * (3.0 + (4.0 * grids if kind == "gamg" else 2.0))
 
 
 def flow_prices(

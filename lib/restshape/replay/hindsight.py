@@ -277,8 +277,8 @@ def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc
     set_krylov(ksp, manner.krylov)
     ksp.setTolerances(divtol=1e30, max_it=MOST_ITERATIONS)
     shifts = traits.symmetric or traits.definite
-    overlap = solver.kept.overlap
-    given = set_preconditioner(ksp, manner.kind, manner.levels, manner.exchanges, manner.blocks, shifts, overlap)
+    with_rows = (solver.kept.overlap, traits.symmetric)
+    given = set_preconditioner(ksp, manner.kind, manner.levels, manner.exchanges, manner.blocks, shifts, *with_rows)
     ksp.setOperators(matrix)
     ksp.setUp()
     if solver.comm.size > 1:

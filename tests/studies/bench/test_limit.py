@@ -79,11 +79,12 @@ def test_numbers_of_half_the_size_halve_the_factor_and_each_iteration_adds_as_mu
     assert moved[0] == SQUARE.matrix + 3 * SQUARE.vector
 
 
-def test_a_cycle_passes_each_grid_four_times_and_each_map_twice():
+def test_a_cycle_passes_each_grid_once_and_each_map_twice():
     # Two grids: 3 rows full, and 8 rows of 56 numbers in blocks of two; a map of 8 x 3 numbers.
     cycle = Applied.cycle([(3, 9, 3), (8, 56, 2)], [24])
-    fine, coarse, between = 56 * 8 + 14 * 4, 9 * 8 + 4, 24 * 12
-    assert cycle.bytes == 4 * (fine + 5 * 8 * 8) + 2 * between
+    fine, coarse, between = 56 * 4 + 14 * 4, 9 * 4 + 4, 24 * 4 + 4 * 4
+    # The inverses of the diagonal are passed twice, and six vectors; single numbers, blocks of 2 x 3 of the map.
+    assert cycle.bytes == fine + 2 * 4 * 8 * 2 + 6 * 8 * 8 + 2 * between
     assert cycle.stored == fine + coarse + between and cycle.numbers == 9 + 56 + 24
     # Both triangles of an incomplete LU are passed once.
     assert Applied.substitution(36, 2, 4, kind="ilu").bytes == 36 * 8 + 9 * 4 + 4 * 64
