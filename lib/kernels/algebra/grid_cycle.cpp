@@ -10,6 +10,7 @@
 #include "algebra/ghosts.hpp"
 #include "algebra/grid_matrix.hpp"
 #include "algebra/grid_transfer.hpp"
+#include "quiet_intrinsics.hpp"
 
 namespace restshape {
 namespace {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "algebra/single_blocks.hpp"
-#include "quiet_intrinsics.hpp"
 
 namespace restshape {
 

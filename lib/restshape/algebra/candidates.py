@@ -21,6 +21,9 @@ class Law(NamedTuple):
         return self.factor * n**self.power
 
 
+NO_MORE = Law(0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Prior:
     """What is expected of a preconditioner before the replay has counted anything.
@@ -43,7 +46,7 @@ class Prior:
     fresh: Law
     growth: float
     block: float = 0.0
-    exact: Law = Law(0.0, 0.0)
+    exact: Law = NO_MORE
 
 
 COUPLED = Law(1.2, 1 / 3)

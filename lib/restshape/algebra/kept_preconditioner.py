@@ -287,7 +287,7 @@ class KeptPreconditioner:
         return prices(self.kind, size, filled or size.nonzeros, self.choice.calibration)
 
     def expected(self, counted: float) -> float:
-        """Iterations of a solve with a fresh one, of which the last one `counted` is all that is known without a choice."""
+        """Iterations of a solve with a fresh one; without a choice all that is known is what was `counted` last."""
         return self.choice.expected(self.candidate, self.size)[0] if self.candidate else counted
 
     def count(self, uses: int, iterations: int, decades: float = DECADES) -> None:

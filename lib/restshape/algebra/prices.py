@@ -13,8 +13,8 @@ SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
 ROW = 14.0
 """Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
 EXCHANGE, COARSENING = 5e-6, 10.0
-"""Seconds of an exchange of values at borders of ranks, or of a sum over them; unknowns of a grid of GAMG's over those of
-the next one, in the plane."""
+"""Seconds of an exchange of values at borders of ranks, or of a sum over them; unknowns of a grid of GAMG's over those
+of the next one, in the plane."""
 RESTART = 100
 """Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 
