@@ -17,8 +17,8 @@ export interface Lit {
   cells: Uint32Array; shares: Float32Array; inCells: boolean; element: number;
 }
 
-/** What changes evenly over a triangle: z, then divided by the distance: 1, shares and light. */
-const even = { at: new Float64Array(4), x: new Float64Array(4), y: new Float64Array(4) };
+/** What changes evenly over a triangle: z, then divided by the distance: 1, shares and light. alike: it has one value and one light. */
+const even = { at: new Float64Array(4), x: new Float64Array(4), y: new Float64Array(4), alike: false, value: 0 };
 const light = [0, 0, 0];
 
 export function fillLit(raster: Raster, depth: Depth, of: Lit, tint: Tint): void {
@@ -40,6 +40,8 @@ export function fillLit(raster: Raster, depth: Depth, of: Lit, tint: Tint): void
     spread(1, wa, wb, wc, x, y, a, b, c, area);
     spread(2, known ? sa * wa : 0, known ? sb * wb : 0, known ? sc * wc : 0, x, y, a, b, c, area);
     spread(3, light[0]! * wa, light[1]! * wb, light[2]! * wc, x, y, a, b, c, area);
+    even.alike = (!known || (sa === sb && sb === sc)) && light[0] === light[1] && light[1] === light[2];
+    even.value = sa;
     // As of polygonOffset: lines along a surface lie before it.
     even.at[0] = even.at[0]! + Math.max(Math.abs(even.x[0]!), Math.abs(even.y[0]!)) + UNITS;
     rows(raster, depth, tint, x, y, a, b, c, known, element > 0);
@@ -93,47 +95,79 @@ function rows(
   const xa = x[a]!, ya = y[a]!, xb = x[b]!, yb = y[b]!, xc = x[c]!, yc = y[c]!;
   const from = Math.max(Math.ceil(ya - 0.5), 0), to = Math.min(Math.ceil(yc - 0.5), raster.height);
   const long = (xc - xa) / (yc - ya), upper = (xb - xa) / (yb - ya), lower = (xc - xb) / (yc - yb);
-  const { at: e, x: ex, y: ey } = even, { pixels, width } = raster, [d0, d1, d2] = away, { map, body, glowing, glow, wire } = tint;
-  const farther = depth.at;
-  const plain = !wired && glow === 0;
+  const solid = even.alike && !wired, colour = solid ? colourOf(tint, known) : 0;
   for (let row = from; row < to; row += 1) {
     const middle = row + 0.5;
     const one = xa + (middle - ya) * long;
     const other = middle < yb ? xa + (middle - ya) * upper : xb + (middle - yb) * lower;
     const left = Math.max(Math.ceil((one < other ? one : other) - 0.5), 0);
-    const right = Math.min(Math.ceil((one < other ? other : one) - 0.5), width);
-    const begin = row * width;
-    for (let column = left; column < right; column += 1) {
-      const px = column + 0.5, at = begin + column;
-      const z = e[0]! + ex[0]! * px + ey[0]! * middle;
-      if (!(z < farther[at]!)) continue;
-      farther[at] = z;
-      const w = 1 / (e[1]! + ex[1]! * px + ey[1]! * middle);
-      const lit = (e[3]! + ex[3]! * px + ey[3]! * middle) * w;
-      let red = body[0]!, green = body[1]!, blue = body[2]!;
-      if (known) {
-        const value = ((e[2]! + ex[2]! * px + ey[2]! * middle) * w) | 0;
-        const i = 4 * (value < 0 ? 0 : value >= VALUES ? VALUES - 1 : value);
-        red = map[i]!;
-        green = map[i + 1]!;
-        blue = map[i + 2]!;
-      }
-      red *= lit;
-      green *= lit;
-      blue *= lit;
-      if (!plain) {
-        if (wired) {
-          const near = Math.min(d0.at + d0.x * px + d0.y * middle, d1.at + d1.x * px + d1.y * middle, d2.at + d2.x * px + d2.y * middle);
-          const white = wire * (near >= REACH ? 0 : near <= REACH - 1 ? 1 : REACH - near);
-          red += (255 - red) * white;
-          green += (255 - green) * white;
-          blue += (255 - blue) * white;
-        }
-        red += (glowing[0]! - red) * glow;
-        green += (glowing[1]! - green) * glow;
-        blue += (glowing[2]! - blue) * glow;
-      }
-      pixels[at] = packed((red + 0.5) | 0, (green + 0.5) | 0, (blue + 0.5) | 0);
-    }
+    const right = Math.min(Math.ceil((one < other ? other : one) - 0.5), raster.width);
+    if (left >= right) continue;
+    if (solid) single(raster, depth, row, left, right, colour);
+    else varied(raster, depth, tint, row, left, right, known, wired);
   }
+}
+
+/** Pixels of a row in one colour. */
+function single({ pixels, width }: Raster, { at: farther }: Depth, row: number, left: number, right: number, colour: number): void {
+  const step = even.x[0]!, end = row * width + right;
+  let z = even.at[0]! + step * (left + 0.5) + even.y[0]! * (row + 0.5);
+  for (let at = row * width + left; at < end; at += 1, z += step) {
+    if (z >= farther[at]!) continue;
+    farther[at] = z;
+    pixels[at] = colour;
+  }
+}
+
+/** Pixels of a row by their values, their light, and the edges near them. */
+function varied(
+  { pixels, width }: Raster, { at: farther }: Depth, tint: Tint, row: number, left: number, right: number, known: boolean, wired: boolean,
+): void {
+  const { map, body: [red0 = 0, green0 = 0, blue0 = 0], glowing: [red1 = 0, green1 = 0, blue1 = 0], glow, wire } = tint;
+  const x = left + 0.5, middle = row + 0.5, end = row * width + right, { at: e, x: ex, y: ey } = even;
+  const zx = ex[0]!, wx = ex[1]!, vx = ex[2]!, lx = ex[3]!;
+  const [{ at: pa, x: px, y: py }, { at: qa, x: qx, y: qy }, { at: ra, x: rx, y: ry }] = away;
+  let z = e[0]! + zx * x + ey[0]! * middle, w = e[1]! + wx * x + ey[1]! * middle;
+  let v = e[2]! + vx * x + ey[2]! * middle, l = e[3]! + lx * x + ey[3]! * middle;
+  let p = pa + px * x + py * middle, q = qa + qx * x + qy * middle, r = ra + rx * x + ry * middle;
+  for (let at = row * width + left; at < end; at += 1, z += zx, w += wx, v += vx, l += lx, p += px, q += qx, r += rx) {
+    if (z >= farther[at]!) continue;
+    farther[at] = z;
+    const far = 1 / w, lit = l * far;
+    let red = red0, green = green0, blue = blue0;
+    if (known) {
+      const value = (v * far) | 0, i = 4 * (value < 0 ? 0 : value >= VALUES ? VALUES - 1 : value);
+      red = map[i]!;
+      green = map[i + 1]!;
+      blue = map[i + 2]!;
+    }
+    red *= lit;
+    green *= lit;
+    blue *= lit;
+    if (wired) {
+      const near = p < q ? (r < p ? r : p) : (r < q ? r : q);
+      if (near < REACH) {
+        const white = near <= REACH - 1 ? wire : wire * (REACH - near);
+        red += (255 - red) * white;
+        green += (255 - green) * white;
+        blue += (255 - blue) * white;
+      }
+    }
+    if (glow > 0) {
+      red += (red1 - red) * glow;
+      green += (green1 - green) * glow;
+      blue += (blue1 - blue) * glow;
+    }
+    pixels[at] = (255 << 24) | ((blue + 0.5) << 16) | ((green + 0.5) << 8) | (red + 0.5);
+  }
+}
+
+/** The colour of a triangle that has one value and one light. */
+function colourOf({ map, body, glowing, glow }: Tint, known: boolean): number {
+  const i = 4 * Math.min(Math.max(Math.floor(even.value), 0), VALUES - 1);
+  const of = [0, 1, 2].map((k) => {
+    const lit = light[0]! * (known ? map[i + k]! : body[k]!);
+    return Math.round(lit + (glowing[k]! - lit) * glow);
+  });
+  return packed(of[0]!, of[1]!, of[2]!);
 }
