@@ -119,6 +119,17 @@ test("in space the nearer triangle and its lines are seen, whichever comes first
   }
 });
 
+test("a face that reaches behind the eye is left out", () => {
+  const drawn = raster(40), depth = new Depth(), cells = Uint32Array.from([0, 1, 2]);
+  depth.resize(40, 40);
+  const of = { x: Float32Array.from([0, 40, 0]), y: Float32Array.from([0, 0, 40]), seen: new Float32Array(9).fill(-1), normals: null, cells };
+  for (const nearest of [-Infinity, -0.5]) {
+    const z = Float32Array.from([nearest, 0, 0]);
+    fillLit(drawn, depth, { ...of, z, shares: new Float32Array(3).fill(NaN), inCells: false, element: 0 }, tint);
+    assert.equal(drawn.pixels.some((pixel) => pixel !== GROUND), nearest > -1);
+  }
+});
+
 test("only what has changed is cleared and shown", () => {
   const drawn = raster(50);
   drawn.reach(10, 10, 3);

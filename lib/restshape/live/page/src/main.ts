@@ -2,7 +2,7 @@
 
 import { App, type Link } from "./app";
 import { Connection } from "./connection";
-import { drawsInSoftware } from "./draw/drawer";
+import { meansOf } from "./draw/drawer";
 import { Scene } from "./draw/scene";
 import { frameOf } from "./frames";
 import { joinHand } from "./hand/hand";
@@ -26,8 +26,8 @@ show();
 
 function show(): void {
   const canvas = document.getElementById("canvas") as HTMLCanvasElement;
-  const context = document.createElement("canvas").getContext("webgl2");
-  if (!context) {
+  const means = meansOf();
+  if (!means) {
     const unable = document.getElementById("unable")!;
     unable.textContent = "This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
       + "a current Firefox, Chrome, Edge or Safari. The panels work without it.";
@@ -36,8 +36,7 @@ function show(): void {
     showPanels(app, { pick: () => Promise.resolve(null), where: () => null, setLines: nothing, setArrows: nothing, setWords: nothing }, painter);
     return;
   }
-  const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!, painter, !drawsInSoftware(context));
-  context.getExtension("WEBGL_lose_context")?.loseContext();
+  const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!, painter, means);
   showPanels(app, joinHand(app, scene), painter);
 }
 

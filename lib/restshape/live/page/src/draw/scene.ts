@@ -8,7 +8,7 @@ import type { FieldInfo } from "../protocol";
 import { CardDrawer } from "./card_drawer";
 import { chosenMap, ends } from "./colour_maps";
 import { ColourBar } from "./colour_bar";
-import type { Drawer } from "./drawer";
+import type { Drawer, Means } from "./drawer";
 import { Labels, type Word } from "./labels";
 import { Marks, type ArrowsDrawn, type LinesDrawn } from "./marks";
 import { Parts } from "./parts";
@@ -52,12 +52,12 @@ export class Scene {
   private width = 1;
   private height = 1;
 
-  /** card: a graphics card draws. Throws where the browser has no WebGL 2. */
+  /** Throws where the browser lacks the means. */
   constructor(
     private readonly app: App, readonly canvas: HTMLCanvasElement, labels: HTMLElement, bar: HTMLElement,
-    private readonly painter: Painter, private readonly card: boolean,
+    private readonly painter: Painter, private readonly means: Means,
   ) {
-    this.drawer = card ? new CardDrawer(canvas) : new SoftwareDrawer(canvas, this.shared, false);
+    this.drawer = means === "card" ? new CardDrawer(canvas) : new SoftwareDrawer(canvas, this.shared, false, means);
     this.labels = new Labels(labels, painter);
     this.bar = new ColourBar(bar, painter);
     this.marks = new Marks(this.scene, this.shared, this.theme, this.labels, () => this.request());
@@ -116,7 +116,7 @@ export class Scene {
       this.view = new View(this.canvas, welcome.dim, () => this.moved());
       this.parts = new Parts(this.group, this.shared, this.theme, welcome.dim);
       this.fitted = false;
-      if (!this.card) this.drawer = new SoftwareDrawer(this.canvas, this.shared, welcome.dim === 3);
+      if (this.means !== "card") this.drawer = new SoftwareDrawer(this.canvas, this.shared, welcome.dim === 3, this.means);
       this.recolour();
       this.resize();
     }

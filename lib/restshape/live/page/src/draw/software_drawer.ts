@@ -5,14 +5,14 @@ import { Color, type Camera, type Object3D } from "three";
 
 import { CardDrawer } from "./card_drawer";
 import { Dots } from "./dots";
-import type { Drawer } from "./drawer";
+import type { Drawer, Means } from "./drawer";
 import { whatDraws } from "./drawn";
 import { Segments } from "./segments";
 import type { Shared } from "./shared";
 import { Depth } from "./software/depth";
 import { fillLit } from "./software/lit_triangles";
 import { Palette, VALUES, type Tint } from "./software/palette";
-import { Placed, turned } from "./software/placed";
+import { NEAREST, Placed, turned } from "./software/placed";
 import { bytesOf, Raster } from "./software/raster";
 import { dot, head, line, type Behind, type Ink } from "./software/strokes";
 import { fill } from "./software/triangles";
@@ -36,7 +36,9 @@ export class SoftwareDrawer implements Drawer {
   private size = { width: 1, height: 1, ratio: 1 };
 
   /** Throws where the canvas draws no pixels. */
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly shared: Shared, private readonly inSpace: boolean) {
+  constructor(
+    private readonly canvas: HTMLCanvasElement, private readonly shared: Shared, private readonly inSpace: boolean, private readonly means: Means,
+  ) {
     const pen = canvas.getContext("2d", { alpha: false });
     if (!pen) throw new Error("no canvas of pixels");
     this.pen = pen;
@@ -60,7 +62,9 @@ export class SoftwareDrawer implements Drawer {
     const objects: Object3D[] = [];
     scene.traverseVisible((object) => { if (whatDraws(object)) objects.push(object); });
     for (const object of objects.sort(inOrder)) {
-      if (!this.one(whatDraws(object), camera)) { this.byWebGL(scene, camera); return; }
+      if (this.one(whatDraws(object), camera)) continue;
+      this.byWebGL(scene, camera);
+      return;
     }
     const changed = this.raster.changed();
     if (!this.raster.image || !changed) return;
@@ -78,7 +82,7 @@ export class SoftwareDrawer implements Drawer {
     this.raster.forget();
   }
 
-  /** Draws a thing; false where it lies around the eye. */
+  /** Draws a thing; false where it reaches behind the eye, and WebGL can draw that. */
   private one(drawn: unknown, camera: Camera): boolean {
     if (drawn instanceof Surface) return this.surface(drawn, camera);
     if (drawn instanceof Segments) return this.segments(drawn, camera);
@@ -130,7 +134,9 @@ export class SoftwareDrawer implements Drawer {
     if (!this.place(points, shifts, points.length / 3, moves.value * this.shared.scale.value, wide + 1.4 * long + 1, camera)) return false;
     const { x, y, z } = this.placed, ink = inkOf(segments.colour.value, segments.opacity);
     for (let i = 0; i + 1 < pairs.length; i += 2) {
-      const a = pairs[i]!, b = pairs[i + 1]!, behind = this.behind(segments.through, z[a]! - NEARER.lines, z[b]! - NEARER.lines);
+      const a = pairs[i]!, b = pairs[i + 1]!;
+      if (z[a]! < NEAREST || z[b]! < NEAREST) continue;
+      const behind = this.behind(segments.through, z[a]! - NEARER.lines, z[b]! - NEARER.lines);
       if (long > 0) head(this.raster, x[a]!, y[a]!, x[b]!, y[b]!, long, ink, behind);
       else line(this.raster, x[a]!, y[a]!, x[b]!, y[b]!, wide, ink, behind);
     }
@@ -142,6 +148,7 @@ export class SoftwareDrawer implements Drawer {
     if (!this.place(dots.places, dots.shifts, dots.count, dots.moves.value * this.shared.scale.value, wide, camera)) return false;
     const { x, y, z } = this.placed, inside = inkOf(dots.colour.value), rim = inkOf(dots.rim);
     for (let i = 0; i < dots.count; i += 1) {
+      if (z[i]! < NEAREST) continue;
       dot(this.raster, x[i]!, y[i]!, wide, 1.2 * pixels.value, inside, rim, this.behind(dots.through, z[i]! - NEARER.dots, 0));
     }
     return true;
@@ -151,11 +158,11 @@ export class SoftwareDrawer implements Drawer {
     return through || !this.inSpace ? null : { depth: this.depth, from, to };
   }
 
-  /** Puts places onto the picture; what is there may take so many pixels around. False: some lie before the nearest that is seen. */
+  /** Puts places onto the picture; what is there may take so many pixels around. False: some lie behind the eye, which WebGL can draw. */
   private place(points: Float32Array, shifts: Float32Array, count: number, scale: number, around: number, camera: Camera): boolean {
     const { placed, raster } = this;
     placed.take(points, shifts, count, scale, camera, raster.width, raster.height);
-    if (this.inSpace && placed.least < -1) return false;
+    if (this.inSpace && placed.least < NEAREST && this.means === "processor") return false;
     if (placed.left <= placed.right) {
       raster.reach(placed.left, placed.top, around);
       raster.reach(placed.right, placed.bottom, around);

@@ -2,6 +2,7 @@
 
 import type { Depth } from "./depth";
 import { VALUES, type Tint } from "./palette";
+import { NEAREST } from "./placed";
 import { packed, type Raster } from "./raster";
 import { away, distances, inner, REACH } from "./triangles";
 
@@ -27,7 +28,8 @@ export function fillLit(raster: Raster, depth: Depth, of: Lit, tint: Tint): void
   for (let t = 0; t < count; t += 1) {
     const a = cells[3 * t]!, b = cells[3 * t + 1]!, c = cells[3 * t + 2]!;
     const area = (x[b]! - x[a]!) * (y[c]! - y[a]!) - (x[c]! - x[a]!) * (y[b]! - y[a]!);
-    if (!area) continue;
+    // A face that reaches behind the eye has no corners there to fill between.
+    if (!area || z[a]! < NEAREST || z[b]! < NEAREST || z[c]! < NEAREST) continue;
     shade(of, a, b, c);
     const part = element > 1 ? (t / whole) | 0 : 0;
     distances(away[0], x[b]!, y[b]!, x[c]!, y[c]!, area, element > 0 && !inner(element, part, 0));

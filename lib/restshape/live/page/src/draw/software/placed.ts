@@ -2,6 +2,8 @@
 
 import type { Camera, Matrix4 } from "three";
 
+export const NEAREST = -1; // depth of what is seen nearest to the eye
+
 export class Placed {
   x = new Float32Array(0);
   y = new Float32Array(0);
