@@ -126,7 +126,7 @@ void Operator::set_topology(std::vector<Block> blocks) {
     Logged event(events().pattern);
     release_retired();
     stop_filling();
-    kept_.clear();
+    keeps_ = false;
     blocks_ = std::move(blocks);
     for (Block& b : blocks_) {
         find_geometry_end(b, nullptr, b.count);
@@ -142,7 +142,7 @@ void Operator::patch(int k, const int32_t* changed, int count) {
     Logged event(events().patch);
     release_retired();
     stop_filling();
-    kept_.clear();
+    keeps_ = false;
     find_geometry_end(blocks_[k], changed, count);
     flag_constrained(k, changed, count);
     patch_pattern(k, changed, count);
@@ -156,7 +156,7 @@ void Operator::find_geometry_end(Block& b, const int32_t* list, int count) {
 }
 
 void Operator::set_constraints(const uint8_t* mask) {
-    kept_.clear();
+    keeps_ = false;
     mask_.assign(mask, mask + mask_.size());
     constrained_.clear();
     const int first = node_offsets_[rank_] * fields_, last = node_offsets_[rank_ + 1] * fields_;
@@ -171,7 +171,7 @@ void Operator::set_sliding(const int32_t* list, int count, const double* kept) {
     for (int k = 0; k < count; ++k)
         if (list[k] < 0 || list[k] >= nodes())
             throw std::invalid_argument("node " + std::to_string(list[k]) + " slides and does not exist");
-    kept_.clear();
+    keeps_ = false;
     slides_.assign(kept, kept + static_cast<size_t>(count) * 3);
     if (static_cast<size_t>(count) == sliding_.size() && std::equal(list, list + count, sliding_.begin())) return;
     sliding_.assign(list, list + count);
@@ -200,7 +200,7 @@ void Operator::flag_constrained(int k, const int32_t* list, int count) {
 
 void Operator::begin(bool kept) {
     if (!mat_) throw std::runtime_error("an operator needs set_topology before begin");
-    if (kept && kept_.empty())
+    if (kept && !keeps_)
         throw std::runtime_error("an operator keeps no values: topology, patches and constraints forget them");
     stop_filling();
     (void)PetscLogEventBegin(events().values, 0, 0, 0, 0);
@@ -217,6 +217,7 @@ void Operator::begin(bool kept) {
 
 void Operator::keep() {
     if (!filling_) throw std::runtime_error("an operator needs begin before keep");
+    keeps_ = true;
     kept_.assign(values().data, values().data + values().count);
     kept_diagonal_.clear();
     for (int32_t dof : constrained_) kept_diagonal_.push_back(diagonal_[dof]);

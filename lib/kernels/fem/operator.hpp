@@ -127,7 +127,8 @@ class Operator {
     std::vector<double> slides_;                 // xx, xy, yy of each projection
     std::vector<int32_t> constrained_;           // own constrained unknowns
     std::vector<double> diagonal_;               // (nodes * fields), what constrained diagonals have got
-    std::vector<double> kept_, kept_diagonal_;   // values and diagonal_ of `keep`; empty where there are none
+    bool keeps_ = false;                         // what `keep` has noted, which a rank without nodes has none of
+    std::vector<double> kept_, kept_diagonal_;   // its values and diagonal_
     std::vector<std::vector<uint8_t>> flagged_;  // a block: elements with a constrained unknown
 };
 
