@@ -19,9 +19,9 @@ SOLID, MASS, PRESSURE = (k.Element(name) for name in ("linear_elastic_tri3", "ma
 
 
 def two_pieces(rng):
-    """Two squares apart, whose nodes are numbered in no order: each rank has some of both, and all border each other."""
+    """Two squares apart, whose nodes are numbered in no order: each rank has some of both, all border each other."""
     X, cells, _ = unit_box(2, 3)
-    X, cells = np.vstack([X, X + (2.0, 0.3)]), np.vstack([cells, cells + len(X)])
+    X, cells = np.vstack([X, X + np.array([2.0, 0.3])]), np.vstack([cells, cells + len(X)])
     number = rng.permutation(len(X)).astype(np.int32)
     return X[np.argsort(number)], np.ascontiguousarray(number[cells])
 
@@ -123,7 +123,7 @@ def driven(X, cells, offsets, held, drags, rng) -> dict[str, float]:
 
 def ghost_count(op) -> int:
     """How many columns of other ranks' unknowns this rank's rows have."""
-    start, column, _ = op.mat.getValuesCSR()
+    _, column, _ = op.mat.getValuesCSR()
     first, last = op.mat.getOwnershipRange()
     return len(np.unique(column[(column < first) | (column >= last)]))
 
