@@ -22,7 +22,7 @@ def headers(long: bool) -> Path:
 
 
 @pytest.mark.weekly
-@pytest.mark.parametrize("own", [True, False], ids=["PETSc of 64 bits", "the same headers, told of 64 bits"])
+@pytest.mark.parametrize("own", [True, False], ids=["PETSc of 64 bits", "headers of 32 bits with 64 set"])
 def test_kernels_that_make_matrices_compile_with_long_indices(own):
     include = headers(own)
     words = ["mpicxx", "-fsyntax-only", "-std=c++17", f"-I{KERNELS}", "-I/usr/include/eigen3", f"-I{include}"]
