@@ -47,6 +47,11 @@ void schur_complement(intptr_t factor, Reals out) {
     check(MatFactorRestoreSchurComplement(mat, &schur, status), "MatFactorRestoreSchurComplement");
 }
 
+void border_complement(intptr_t factor, Reals out) {
+    if (out.ndim() != 2 || out.shape(0) != out.shape(1)) throw std::invalid_argument("out must be square");
+    check(restshape::border_complement(reinterpret_cast<Mat>(factor), out.mutable_data()), "border_complement");
+}
+
 }  // namespace
 
 void bind_algebra(py::module_& m) {
@@ -55,6 +60,16 @@ void bind_algebra(py::module_& m) {
         "register_node_cholesky",
         [] { restshape::check(restshape::register_node_cholesky(), "MatSolverTypeRegister"); },
         "Make PETSc know the solver type NODE_BLOCKS: complete Cholesky factors in blocks of one node.");
+    m.def(
+        "keep_border",
+        [](intptr_t factor, PetscInt unknowns) {
+            restshape::check(restshape::keep_border(reinterpret_cast<Mat>(factor), unknowns), "keep_border");
+        },
+        py::arg("factor"), py::arg("unknowns"),
+        "Have the factor with this handle, of NODE_BLOCKS and not made yet, keep the last unknowns, whole nodes: they "
+        "are no pivots, and 0 in solutions.");
+    m.def("border_complement", &border_complement, py::arg("factor"), py::arg("out").noconvert(),
+          "Writes the Schur complement (k, k) of the unknowns that a factor with this handle keeps; see keep_border.");
     m.attr("node_lu") = restshape::NODE_LU;
     m.attr("node_lu_single") = restshape::NODE_LU_SINGLE;
     m.def(

@@ -58,9 +58,11 @@ Eigen::Matrix<double, size, size> inverse_of(Eigen::Matrix<double, size, size> b
 template <int size>
 class BlockFactor {
  public:
-    // Returns how many products of two blocks it took.
-    double make(const StoredBlocks& a, const BlockRows& u) {
+    // Returns how many products of two blocks it took. The last rows, as many as are kept, are no pivots: they end as
+    // the upper triangle of their Schur complement, its diagonal blocks where pivots are.
+    double make(const StoredBlocks& a, const BlockRows& u, PetscInt kept = 0) {
         const PetscInt n = a.count;
+        pivots_ = n - kept;
         group(u);
         // Each group leaves its columns as zeros.
         row_.resize(static_cast<std::size_t>(n) * size * most_lanes, 0.0);
@@ -105,7 +107,7 @@ class BlockFactor {
         for (PetscInt k = 0; k < n;) {
             PetscInt end = k + 1;
             double own = static_cast<double>(beyond(u, k) + 1);
-            for (; end < n && end - k < widest && beyond(u, end - 1) && u.column[u.start[end - 1]] == end; ++end) {
+            for (; end < n && end != pivots_ && end - k < widest && beyond(u, end - 1) && u.column[u.start[end - 1]] == end; ++end) {
                 const auto wide = static_cast<double>(beyond(u, end) + 1), high = static_cast<double>(end - k);
                 if ((high + 1.0) * (wide + 0.5 * high) > slack * (own + wide)) break;
                 own += wide;
@@ -132,6 +134,7 @@ class BlockFactor {
         }
         for (PetscInt row = k; row < end; ++row) {
             store<rows>(u, row, row - k);
+            if (row >= pivots_) continue;
             at_[row] = u.start[row];
             eliminate<rows, 1>(u, k, end, &row);
         }
@@ -211,7 +214,7 @@ class BlockFactor {
         };
         Block pivot;
         copy(column<rows>(k), pivot.data());
-        Eigen::Map<Block>(u.value + k * numbers) = inverse_of<size>(pivot);
+        Eigen::Map<Block>(u.value + k * numbers) = k < pivots_ ? inverse_of<size>(pivot) : pivot;
         for (PetscInt j = u.start[k]; j < u.start[k + 1]; ++j) copy(column<rows>(u.column[j]), u.value + j * numbers);
     }
 
@@ -226,6 +229,7 @@ class BlockFactor {
 
     std::vector<double, Eigen::aligned_allocator<double>> row_;  // by columns of blocks
     std::vector<PetscInt> next_, first_, at_;
+    PetscInt pivots_ = 0;               // rows that are
     std::vector<PetscInt> head_, end_;  // the first row of each row's group, and the first one after it
     double products_ = 0.0;
 };

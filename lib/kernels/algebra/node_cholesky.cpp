@@ -3,6 +3,7 @@
 #include <petsc/private/matimpl.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "algebra/block_factor.hpp"
@@ -23,6 +24,9 @@ struct NodeCholesky {
     BlockFactor<2> pairs;
     BlockFactor<3> triples;
     PetscInt zero = 0;  // blocks without an inverse, each counted once
+    PetscInt border = 0;  // the last unknowns, which are no pivots
+    std::vector<double> complement;  // of them, by rows
+    PetscInt pivots() const { return static_cast<PetscInt>(blocks.order.size()) - border / blocks.size; }
 };
 
 NodeCholesky* of(Mat F) { return static_cast<NodeCholesky*>(F->data); }
@@ -65,7 +69,12 @@ PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
     IS rows, columns;
     PetscFunctionBegin;
     PetscCall(release(c));
-    PetscCall(with_pattern(A, [&](const Pattern& a) { return make_blocks(a, block_size(a), &u); }));
+    PetscCall(with_pattern(A, [&](const Pattern& a) {
+        const PetscInt size = block_size(a);
+        PetscCheck(c->border == 0 || (size > 1 && c->border % size == 0), PETSC_COMM_SELF, PETSC_ERR_SUP,
+                   "node_blocks keeps whole nodes of two or three unknowns");
+        return make_blocks(a, size, &u, c->border / size);
+    }));
     const PetscInt n = A->rmap->n;
     PetscCall(MatCreate(PETSC_COMM_SELF, &c->upper));
     PetscCall(MatSetSizes(c->upper, n, n, n, n));
@@ -91,9 +100,9 @@ using Block = Eigen::Matrix<double, size, size>;
 
 // Blocks that have no inverse in numbers. One that has, however near singular, stays: inverse iteration lives of it.
 template <int size>
-PetscInt count_zero(const UpperBlocks& u, const double* inverses) {
+PetscInt count_zero(PetscInt pivots, const double* inverses) {
     PetscInt found = 0;
-    for (std::size_t k = 0; k + 1 < u.starts.size(); ++k) {
+    for (PetscInt k = 0; k < pivots; ++k) {
         const Eigen::Map<const Block<size>> inverse(inverses + k * size * size);
         found += !inverse.allFinite() || inverse.isZero(0.0);
     }
@@ -113,9 +122,9 @@ bool surely_positive(Block<size> a) {
 }
 
 template <int size>
-PetscInt count_negative(const UpperBlocks& u, const double* inverses) {
+PetscInt count_negative(PetscInt pivots, const double* inverses) {
     PetscInt found = 0;
-    for (std::size_t k = 0; k + 1 < u.starts.size(); ++k) {
+    for (PetscInt k = 0; k < pivots; ++k) {
         const Eigen::Map<const Block<size>> raw(inverses + k * size * size);
         const Block<size> inverse = 0.5 * (raw + raw.transpose()) / raw.cwiseAbs().maxCoeff();
         if (surely_positive<size>(inverse)) continue;
@@ -132,9 +141,28 @@ PetscErrorCode find_zero(Mat F) {
     PetscFunctionBegin;
     PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
     const auto count = c->blocks.size == 3 ? count_zero<3> : count_zero<2>;
-    c->zero = count(c->blocks, inverses);
+    c->zero = count(c->pivots(), inverses);
     PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
     PetscFunctionReturn(0);
+}
+
+// Takes the Schur complement of the border out of the rows that it has in a factor, which are left as zeros.
+template <int size>
+void take_complement(NodeCholesky& c, const BlockRows& own) {
+    const PetscInt first = c.pivots(), wide = c.border, numbers = size * size;
+    c.complement.assign(static_cast<std::size_t>(wide) * wide, 0.0);
+    const auto take = [&](PetscInt i, PetscInt j, double* block) {
+        for (PetscInt column = 0; column < size; ++column)
+            for (PetscInt row = 0; row < size; ++row) {
+                const PetscInt at = size * (i - first) + row, to = size * (j - first) + column;
+                c.complement[at * wide + to] = c.complement[to * wide + at] = block[column * size + row];
+            }
+        std::fill_n(block, numbers, 0.0);
+    };
+    for (PetscInt k = first; k < own.count; ++k) {
+        take(k, k, own.value + k * numbers);
+        for (PetscInt j = own.start[k]; j < own.start[k + 1]; ++j) take(k, own.column[j], own.value + j * numbers);
+    }
 }
 
 template <int size>
@@ -152,7 +180,8 @@ PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor
     PetscCall(MatGetRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
     PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
     PetscCall(MatSeqSBAIJGetArray(c.factor, &own.value));
-    const double products = maker.make(from, own);
+    const double products = maker.make(from, own, c.border / size);
+    if (c.border) take_complement<size>(c, own);
     PetscCall(MatSeqSBAIJRestoreArray(c.factor, &own.value));
     PetscCall(MatRestoreRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
     PetscCall(PetscLogFlops(2.0 * size * size * size * products));
@@ -252,11 +281,11 @@ PetscErrorCode inertia(Mat F, PetscInt* negative, PetscInt* zero, PetscInt* posi
     }
     PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
     const auto count = c->blocks.size == 3 ? count_negative<3> : count_negative<2>;
-    const PetscInt below = count(c->blocks, inverses);
+    const PetscInt below = count(c->pivots(), inverses);
     PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
     if (negative) *negative = below;
     if (zero) *zero = c->zero;
-    if (positive) *positive = F->rmap->n - below - c->zero;
+    if (positive) *positive = F->rmap->n - c->border - below - c->zero;
     PetscFunctionReturn(0);
 }
 
@@ -302,6 +331,20 @@ PetscErrorCode get_factor(Mat A, MatFactorType type, Mat* F) {
 }  // namespace
 
 Mat factor_in_blocks(Mat factor) { return factor->ops->destroy == destroy ? of(factor)->factor : nullptr; }
+
+PetscErrorCode keep_border(Mat factor, PetscInt unknowns) {
+    PetscFunctionBegin;
+    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    of(factor)->border = unknowns;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode border_complement(Mat factor, double* complement) {
+    PetscFunctionBegin;
+    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    std::copy(of(factor)->complement.begin(), of(factor)->complement.end(), complement);
+    PetscFunctionReturn(0);
+}
 
 PetscErrorCode register_node_cholesky() {
     static bool known = false;

@@ -14,4 +14,11 @@ PetscErrorCode register_node_cholesky();
 // PETSc's own factor in blocks that one of this type is made of, in elimination order; null of other factors.
 Mat factor_in_blocks(Mat factor);
 
+// Has a factor of this type, not made yet, keep the last unknowns, whole nodes of them: they are no pivots. Solutions
+// are then those with these unknowns 0.
+PetscErrorCode keep_border(Mat factor, PetscInt unknowns);
+
+// The Schur complement of what a factor keeps, by rows.
+PetscErrorCode border_complement(Mat factor, double* complement);
+
 }  // namespace restshape

@@ -59,6 +59,26 @@ PetscErrorCode elimination_order(std::vector<PetscInt>& starts, std::vector<Pets
     PetscFunctionReturn(0);
 }
 
+// The same with the last nodes behind the others.
+PetscErrorCode order_before(PetscInt kept, std::vector<PetscInt>& starts, std::vector<PetscInt>& columns,
+                            std::vector<PetscInt>* order) {
+    const PetscInt n = static_cast<PetscInt>(starts.size()) - 1, pivots = n - kept;
+    PetscFunctionBegin;
+    if (kept == 0) {
+        PetscCall(elimination_order(starts, columns, order));
+        PetscFunctionReturn(0);
+    }
+    std::vector<PetscInt> own_starts(1, 0), own_columns;
+    for (PetscInt i = 0; i < pivots; ++i) {
+        for (PetscInt j = starts[i]; j < starts[i + 1]; ++j)
+            if (columns[j] < pivots) own_columns.push_back(columns[j]);
+        own_starts.push_back(static_cast<PetscInt>(own_columns.size()));
+    }
+    PetscCall(elimination_order(own_starts, own_columns, order));
+    for (PetscInt i = pivots; i < n; ++i) order->push_back(i);
+    PetscFunctionReturn(0);
+}
+
 // The upper triangle in elimination order, and where each block of it stands among those of the matrix's node rows.
 void lay_out(const std::vector<PetscInt>& starts, const std::vector<PetscInt>& columns, UpperBlocks* u,
              std::vector<PetscInt>* of_block) {
@@ -91,12 +111,12 @@ PetscInt block_size(const Pattern& a) {
     return 1;
 }
 
-PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u) {
+PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u, PetscInt kept) {
     std::vector<PetscInt> starts, columns;
     PetscFunctionBegin;
     u->size = size;
     node_pattern(a, size, &starts, &columns);
-    PetscCall(elimination_order(starts, columns, &u->order));
+    PetscCall(order_before(kept, starts, columns, &u->order));
     lay_out(starts, columns, u, &u->from);
     const PetscInt n = static_cast<PetscInt>(u->order.size());
     u->length.resize(n);

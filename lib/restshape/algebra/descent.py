@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.shared_solves import set_shared_factor
 from restshape.algebra.step_share import StepShare, whole_step
 from restshape.algebra.weak_calls import weak_call
 from restshape.arrays import Integers, Reals
@@ -242,8 +243,8 @@ class Descent:
         ksp.setOptionsPrefix(prefix)
         ksp.setType("preonly")
         if factor == "cholesky" and comm.size > 1:
-            # Every rank factors all of it: with its own rows alone a descent would lead elsewhere.
-            ksp.getPC().setType("redundant")
+            # With factors of the ranks' own rows alone a descent would lead elsewhere.
+            set_shared_factor(ksp, self.nodal.shape[1])
         else:
             set_preconditioner(ksp, factor, 0)
         ksp.setFromOptions()

@@ -6,8 +6,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.shared_solves import set_shared_factor
 from restshape.algebra.tries import Tries
 from restshape.arrays import Reals
 
@@ -56,14 +58,14 @@ class StepSolver:
         self.right, self.way, self.diagonal = (nodal.vector() for _ in range(3))
         self.known = [(nodal.vector(), nodal.vector()) for _ in range(WAYS)]
         self.matrix, self.shifted = PETSc.Mat(), PETSc.Mat()
-        self.ksp = self._made(comm, prefix, tolerance, preconditioner)
+        self.ksp = self._made(comm, prefix, tolerance, preconditioner, nodal.shape[1])
         self.tolerance = self.ksp.getTolerances()[0]
         self._relaxes = self.ksp.getPC().getType() == "sor"
         options = PETSc.Options(prefix)
         self._fused = self._relaxes and not any(options.hasName(key) for key in ("ksp_type", "pc_type"))
         self._dear = DEAR * self.right.getSize() ** 0.5 if self._fused and comm.size == 1 else np.inf
         self._complete: PETSc.KSP | None = None
-        self._make_complete = lambda: self._made(comm, prefix, tolerance, "cholesky")
+        self._make_complete = lambda: self._made(comm, prefix, tolerance, "cholesky", nodal.shape[1])
         _kernels.register_node_relaxation()
         self.begin()
 
@@ -175,15 +177,15 @@ class StepSolver:
         return self.shifted
 
     @staticmethod
-    def _made(comm: PETSc.Comm, prefix: str, tolerance: float, preconditioner: str) -> PETSc.KSP:
-        ksp = PETSc.KSP().create(comm)
+    def _made(comm: PETSc.Comm, prefix: str, tolerance: float, preconditioner: str, nodes: int) -> PETSc.KSP:
+        ksp = destroyed_at_exit(PETSc.KSP().create(comm))
         ksp.setOptionsPrefix(prefix)
         ksp.setType("cg")
         ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         ksp.setTolerances(rtol=tolerance, max_it=MOST)
         if preconditioner == "cholesky" and comm.size > 1:
-            # Every rank factors all of it: with its own rows alone steps would be others, and lead to other rests.
-            ksp.getPC().setType("redundant")
+            # With factors of the ranks' own rows alone steps would be others, and lead to other rests.
+            set_shared_factor(ksp, nodes)
         else:
             set_preconditioner(ksp, preconditioner, 0)
         ksp.setFromOptions()

@@ -32,7 +32,9 @@ class KeptOperator:
 
     def __init__(self, problem: ClothProblem, comm: PETSc.Comm, stages: Stages, backend: str | None) -> None:
         self.stages, self.problem = stages, problem
-        self.operator = Operator(comm, 3, problem.space.node_offsets, backend)
+        # Cloth that each rank has whole has all rows on one.
+        offsets = problem.space.node_offsets if comm.size > 1 else np.array([0, problem.n_nodes], dtype=np.int32)
+        self.operator = Operator(comm, 3, offsets, backend)
         self.patterned, self._version, self._constant, self._coverings = False, -1, False, 0
         # Elsewhere each rank has the forces on its own nodes alone.
         self.shared = comm.size == 1

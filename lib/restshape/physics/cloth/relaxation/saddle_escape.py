@@ -1,9 +1,12 @@
 """Stability of an equilibrium of cloth, and how one that is not stable is left."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import whole_cholesky
+from restshape.algebra.shared_factor import SharedFactor
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
@@ -31,29 +34,38 @@ class SaddleEscape:
         self.solver = solver
 
     def is_stable(self, x: np.ndarray) -> bool:
-        """Whether the true tangent at x (n, 3) is positive definite, by a factor of all of it on each rank."""
-        solver = self.solver
-        if solver.comm.size == 1:
-            return solver.newton.definite(x)
-        matrix, pc = whole_cholesky(solver.newton.tangent(x), solver.comm)
-        negative, zero, _ = pc.getFactorMatrix().getInertia()
-        for part in (pc, matrix):
-            part.destroy()
-        return negative == 0 and zero == 0
+        """Whether the true tangent at x (n, 3) is positive definite, by a complete factor, which ranks share."""
+        if self.solver.comm.size == 1:
+            return self.solver.newton.definite(x)
+        with shared_factor() as factor:
+            return self._definite(self.solver.newton.tangent(x), factor)
+
+    def _definite(self, matrix: PETSc.Mat, factor: SharedFactor | None) -> bool:
+        """Whether a matrix is positive definite: by a factor that ranks share, or on one rank that of the solver."""
+        if factor is None:
+            return self.solver.linear.definite(matrix, self.solver.places, False)
+        try:
+            return factor.make(matrix, matrix, 0.0) == 0
+        except ReplayProblem:
+            return False
 
     def escape(self, x: np.ndarray) -> bool:
         """Leave an unstable equilibrium x (n, 3), which is changed, along its lowest mode; False where it is stable."""
+        with shared_factor() if self.solver.comm.size > 1 else nullcontext() as factor:
+            return self._escape(x, factor)
+
+    def _escape(self, x: np.ndarray, factor: SharedFactor | None) -> bool:
         solver, equations = self.solver, self.solver.equations
         inertia = least = FAINT * equations.supporting_inertia
         most = MOST_INERTIA * equations.supporting_inertia
-        while not solver.linear.definite(matrix := equations.true_tangent(x, inertia), solver.places, False):
+        while not self._definite(matrix := equations.true_tangent(x, inertia), factor):
             inertia *= STIFFER
             if inertia > most:
                 # What has no mass is not supported by any.
                 return False
         if inertia == least:
             return False
-        mode = self._lowest_mode(matrix)
+        mode = self._lowest_mode(matrix, factor)
         sides = [x + solver.problem.step_share(x, way) * way for way in (mode, -mode)]
         best = self._far(x, min(sides, key=solver.problem.energy) - x)
         if not mode.any() or not solver.is_valid(best):
@@ -71,7 +83,7 @@ class SaddleEscape:
             way, energy = farther, found
         return x + way
 
-    def _lowest_mode(self, matrix: PETSc.Mat) -> np.ndarray:
+    def _lowest_mode(self, matrix: PETSc.Mat, factor: SharedFactor | None) -> np.ndarray:
         """The lowest mode (n, 3) of a definite tangent, as long as the way off a saddle [m]; 0 where none is found."""
         solver, problem = self.solver, self.solver.problem
         nodal, mass = solver.moving.nodal, solver.equations.mass
@@ -80,8 +92,11 @@ class SaddleEscape:
         try:
             for _ in range(INVERSE_STEPS):
                 nodal.put(mass[:, None] * mode, rows[0])
-                rows[1].set(0.0)
-                solver.linear.solve(matrix, *rows, False, same_matrix=True, places=solver.places, auxiliary=True)
+                if factor:
+                    factor.solve(*rows)
+                else:
+                    rows[1].set(0.0)
+                    solver.linear.solve(matrix, *rows, False, same_matrix=True, places=solver.places, auxiliary=True)
                 mode = nodal.values(rows[1]).copy()
                 if not (size := np.abs(problem.corners(mode)).max()):
                     break
@@ -92,3 +107,13 @@ class SaddleEscape:
             for row in rows:
                 row.destroy()
         return mode
+
+
+@contextmanager
+def shared_factor() -> Iterator[SharedFactor]:
+    """A factor of tangents that ranks share, in blocks of nodes as that of one rank."""
+    factor = SharedFactor(3)
+    try:
+        yield factor
+    finally:
+        factor.forget()

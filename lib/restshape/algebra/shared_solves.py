@@ -1,0 +1,53 @@
+"""Solves with a complete factor of a definite matrix whose rows ranks share, as a preconditioner of PETSc's."""
+
+from petsc4py import PETSc
+
+from restshape.algebra.shared_factor import SharedFactor
+from restshape.errors import ReplayProblem
+
+
+class SharedSolves:
+    """A PC of type python: the inverse of the matrix, whose factor the ranks share (`SharedFactor`).
+
+    Where the matrix has no factor solutions are no numbers, which ends the iteration of a KSP.
+
+    Args:
+        nodes: unknowns of a node.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        self._factor, self._pattern = SharedFactor(nodes), PETSc.Mat()
+
+    def setUp(self, pc: PETSc.PC) -> None:
+        """Factor the matrix; another one may have another pattern."""
+        matrix = pc.getOperators()[1]
+        if self._pattern.handle != matrix.handle:
+            self._factor.forget()
+            # Held, so that no other matrix takes its place in memory.
+            self._pattern = matrix
+        try:
+            self._factor.make(matrix, matrix, 0.0)
+        except ReplayProblem:
+            self._factor.forget()
+
+    def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
+        """Set x to the solution with right side b."""
+        if self._factor.made:
+            self._factor.solve(b, x)
+        else:
+            x.set(float("nan"))
+
+    def reset(self, pc: PETSc.PC) -> None:
+        """Let go of factor and pattern."""
+        self._factor.forget()
+        self._pattern = PETSc.Mat()
+
+    def destroy(self, pc: PETSc.PC) -> None:
+        """Let go of factor and pattern."""
+        self.reset(pc)
+
+
+def set_shared_factor(ksp: PETSc.KSP, nodes: int) -> None:
+    """Give a solver on several ranks a complete factor of its matrix, of so many unknowns a node, which they share."""
+    ksp.getPC().setType("python")
+    ksp.getPC().setPythonContext(SharedSolves(nodes))
