@@ -21,6 +21,7 @@ __all__: list[str] = [
     "Triangulation",
     "add_friction",
     "begin_frame",
+    "border_complement",
     "build",
     "calls",
     "cell_order",
@@ -49,6 +50,7 @@ __all__: list[str] = [
     "hilbert_keys",
     "interpolate_rows",
     "inverted_cells",
+    "keep_border",
     "largest_size",
     "locate",
     "locate_quadratic",
@@ -590,6 +592,9 @@ def add_friction(
     potential: numpy.typing.NDArray[numpy.float64],
 ) -> float: ...
 def begin_frame() -> None: ...
+def border_complement(
+    factor: typing.SupportsInt | typing.SupportsIndex, out: numpy.typing.NDArray[numpy.float64]
+) -> None: ...
 def build() -> dict: ...
 def calls() -> dict: ...
 def cell_order(
@@ -724,6 +729,9 @@ def inverted_cells(
     u: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
 ) -> numpy.typing.NDArray[numpy.int32]: ...
+def keep_border(
+    factor: typing.SupportsInt | typing.SupportsIndex, unknowns: typing.SupportsInt | typing.SupportsIndex
+) -> None: ...
 def largest_size(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def locate(
     X: numpy.typing.NDArray[numpy.float64],

@@ -50,7 +50,7 @@ LAYERED = [
 
 @pytest.mark.parametrize(("name", "size"), [("skirt", 0.08), ("poncho", 0.07), ("sewn_skirt", 0.05), *LAYERED])
 def test_ranks_come_to_the_same_rest(tmp_path, on_ranks, name, size):
-    """Steps of block Jacobi's tolerance would be others on each number of ranks, and lead to other folds."""
+    """Cloth of few nodes is whole on each rank, and numbered otherwise than on one."""
     path, energies = tmp_path / f"{name}.toml", []
     path.write_text(SEWN.get(name) or drapes()[name])
     for ranks in (1, 2):
@@ -59,6 +59,18 @@ def test_ranks_come_to_the_same_rest(tmp_path, on_ranks, name, size):
         summary = json.loads((tmp_path / f"{ranks}.json").read_text())
         energies += summary["quantities"]["potential"]
     assert energies[1] == pytest.approx(energies[0], rel=1e-4)
+
+
+def test_frames_of_cloth_are_those_of_cold_solves_on_two_ranks(tmp_path, on_ranks):
+    """Cloth of few nodes is whole on each rank."""
+    (tmp_path / "edits.jsonl").write_text(
+        '{"format": "restshape-edits", "version": 1, "scene": "strip.toml", "units": "m"}\n'
+        '{"t": 0.1, "do": "set", "key": "effects.gravity.g", "value": [0, 0, -0.02]}\n'
+    )
+    words = ("--edits", tmp_path / "edits.jsonl", "--parity", "--set", "mesh.size=0.1")
+    done = on_ranks(2, "replay", SCENES / "strip.toml", *words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "parity with cold solves: holds for all" in done.stdout
 
 
 def test_panels_come_to_the_same_rest_on_two_ranks(tmp_path, on_ranks):

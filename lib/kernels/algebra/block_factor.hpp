@@ -107,7 +107,9 @@ class BlockFactor {
         for (PetscInt k = 0; k < n;) {
             PetscInt end = k + 1;
             double own = static_cast<double>(beyond(u, k) + 1);
-            for (; end < n && end != pivots_ && end - k < widest && beyond(u, end - 1) && u.column[u.start[end - 1]] == end; ++end) {
+            for (; end < n && end != pivots_ && end - k < widest && beyond(u, end - 1) &&
+                   u.column[u.start[end - 1]] == end;
+                 ++end) {
                 const auto wide = static_cast<double>(beyond(u, end) + 1), high = static_cast<double>(end - k);
                 if ((high + 1.0) * (wide + 0.5 * high) > slack * (own + wide)) break;
                 own += wide;

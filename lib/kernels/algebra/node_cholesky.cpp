@@ -23,8 +23,8 @@ struct NodeCholesky {
     Vec b = nullptr, x = nullptr;
     BlockFactor<2> pairs;
     BlockFactor<3> triples;
-    PetscInt zero = 0;  // blocks without an inverse, each counted once
-    PetscInt border = 0;  // the last unknowns, which are no pivots
+    PetscInt zero = 0;               // blocks without an inverse, each counted once
+    PetscInt border = 0;             // the last unknowns, which are no pivots
     std::vector<double> complement;  // of them, by rows
     PetscInt pivots() const { return static_cast<PetscInt>(blocks.order.size()) - border / blocks.size; }
 };

@@ -25,8 +25,8 @@ struct UpperBlocks {
 // The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of them.
 PetscInt block_size(const Pattern& a);
 
-// Orders nodes by approximate minimum degree, those that are kept, the last ones, behind the others, and lays the blocks
-// out.
+// Orders nodes by approximate minimum degree, those that are kept, the last ones, behind the others, and lays the
+// blocks out.
 PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks, PetscInt kept = 0);
 
 // Copies the values of A, of the pattern that the blocks were made of, each block by columns.

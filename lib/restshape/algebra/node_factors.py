@@ -144,7 +144,8 @@ class DenseBorder:
             self.negative = 0
             return False
         columns = np.tile(np.arange(size, dtype=np.int32), size)
-        self._factor.make(sp.csr_matrix((complement.ravel(), columns, np.arange(0, size * size + 1, size)), 2 * (size,)))
+        starts = np.arange(0, size * size + 1, size, dtype=np.int32)
+        self._factor.make(sp.csr_matrix((complement.ravel(), columns, starts), 2 * (size,)))
         self.negative = self._factor.negative
         return self._factor.singular
 

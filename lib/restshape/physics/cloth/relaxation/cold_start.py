@@ -87,6 +87,8 @@ class ColdStart:
                 if level == 0 and self.softened:
                     soften(solver, x, most, report)
                 self._fall(solver, x, ROUGH, most, report)
+                if not last:
+                    solver.converge(x, most, report)
                 places = solver.problem.corners(x)
             finally:
                 if solver is not self.solver:

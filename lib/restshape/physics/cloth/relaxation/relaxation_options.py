@@ -27,9 +27,9 @@ PASSED = 0.5
 """Part of the smallest size of a body that a node goes in one step: it must not come out on the other side."""
 SMALL = 600
 """Nodes up to which motion is solved for with complete factors."""
-WHOLE = 10_000
-"""Nodes up to which each of several ranks relaxes the whole cloth by itself, all in the same way: they would take longer
-with shares of it."""
+WHOLE = 15_000
+"""Nodes up to which each of several ranks relaxes the whole cloth by itself, all in the same way: with shares of it
+they would take longer."""
 FIRST_STEP, LONGEST_STEP = 0.05, 3.0
 """Time steps that motion begins with and may grow to, over `ClothProblem.swing_time`: 1/60 s, the thesis's for all of
 it, and 1 s of cloth that is a metre long."""
@@ -83,11 +83,10 @@ class RelaxationOptions:
 
     def make_solver(self, problem: ClothProblem, prefix: str = "drape_") -> EquilibriumSolver:
         """A solver of a problem, with a prefix of options in PETSc's database."""
-        context, settings, complete = self.context, self.settings, "direct"
+        context, settings = self.context, self.settings
         comm = context.comm if problem.n_nodes > WHOLE else PETSc.COMM_SELF
-        if context.policy.name == "auto":
-            # A complete factor shows how to leave an unstable equilibrium, and on one rank alone there is one.
-            complete = "stale" if comm.size == 1 else "auto"
+        # A complete factor shows how to leave an unstable equilibrium; on several ranks that of own rows is definite.
+        complete = "stale" if context.policy.name == "auto" else "direct"
         linear = LinearSolver(
             comm,
             f"{prefix}linear_",
@@ -104,8 +103,6 @@ class RelaxationOptions:
         time = problem.swing_time
         steps = Steps(FIRST_STEP * time, LONGEST_STEP * time, reach=self.reach, most=100, preconditioner=preconditioner)
         backend = context.policy.backend
-        solver = EquilibriumSolver(
-            problem, comm, context.stages, linear, settings.tolerance, steps, backend, prefix
-        )
+        solver = EquilibriumSolver(problem, comm, context.stages, linear, settings.tolerance, steps, backend, prefix)
         solver.on_iterate = self.watch
         return solver

@@ -1,0 +1,85 @@
+"""Run by mpiexec: factors in blocks of nodes that ranks share, and cloth whose equations they share; prints JSON."""
+
+import json
+
+import numpy as np
+import scipy.sparse as sp
+from petsc4py import PETSc
+
+from restshape.algebra.shared_factor import SharedFactor
+from restshape.algebra.shared_solves import set_shared_factor
+
+WORLD = PETSc.COMM_WORLD
+SHIFT = 30.0
+
+
+def grid(side: int) -> sp.csr_matrix:
+    """A diagonally dominant matrix of a square of nodes with three unknowns each."""
+    chain, step = sp.diags([1, 1, 1], [-1, 0, 1], (side, side)), sp.diags([1, 1], [-1, 1], (side, side))
+    graph = sp.kron(sp.identity(side), chain) + sp.kron(step, sp.identity(side))
+    blocks = sp.kron(graph, np.ones((3, 3))).tocoo()
+    values = np.random.default_rng(0).uniform(-1.0, 1.0, blocks.nnz)
+    half = sp.csr_matrix((values, (blocks.row, blocks.col)), blocks.shape)
+    whole = (half + half.T + SHIFT * sp.identity(3 * side * side)).tocsr()
+    whole.sort_indices()
+    return whole
+
+
+def shared(whole: sp.csr_matrix) -> PETSc.Mat:
+    """The matrix, of which each rank has some nodes' rows, the last one none."""
+    nodes, ranks = whole.shape[0] // 3, WORLD.size
+    cuts = [3 * (nodes * rank // (ranks - 1)) for rank in range(ranks)] + [3 * nodes]
+    first, last = cuts[WORLD.rank], cuts[WORLD.rank + 1]
+    own = whole[first:last]
+    size = (last - first, whole.shape[0])
+    return PETSc.Mat().createAIJ((size, size), csr=(own.indptr, own.indices, own.data), comm=WORLD)
+
+
+def factored(whole: sp.csr_matrix) -> dict[str, object]:
+    """Pivots below zero beside LAPACK's eigenvalues, the residual of a solve, and whether a second one has its bits."""
+    mat, found = shared(whole), []
+    b = mat.createVecLeft()
+    b.setArray(np.random.default_rng(WORLD.rank).uniform(-1.0, 1.0, b.getLocalSize()))
+    for _ in range(2):
+        factor, x, left = SharedFactor(3), b.duplicate(), b.duplicate()
+        below = factor.make(mat, mat, 0.0)
+        factor.solve(b, x)
+        mat.mult(x, left)
+        left.axpy(-1.0, b)
+        found.append(x.getArray().tobytes())
+        factor.forget()
+    same = all(WORLD.tompi4py().allgather(found[0] == found[1]))
+    expected = int((np.linalg.eigvalsh(whole.toarray()) < 0.0).sum())
+    return {"below": below, "expected": expected, "left": left.norm() / b.norm(), "same": same}
+
+
+def preconditioned(whole: sp.csr_matrix) -> list[int]:
+    """Iterations of CG by the factor of a matrix, of one on a wider pattern, and of one that has none."""
+    ksp, taken = PETSc.KSP().create(WORLD), []
+    ksp.setType("cg")
+    ksp.setTolerances(rtol=1e-10)
+    set_shared_factor(ksp, 3)
+    for one in (whole, whole @ whole, 0.0 * whole):
+        one.sort_indices()
+        mat = shared(one)
+        b = mat.createVecLeft()
+        b.set(1.0)
+        x = b.duplicate()
+        ksp.setOperators(mat)
+        ksp.solve(b, x)
+        taken.append(ksp.getIterationNumber() if ksp.getConvergedReason() > 0 else -1)
+    ksp.destroy()
+    return taken
+
+
+def main() -> None:
+    """Print all cases."""
+    whole = grid(9)
+    indefinite = (whole - SHIFT * sp.identity(whole.shape[0])).tocsr()
+    indefinite.sort_indices()
+    cases = {"definite": factored(whole), "indefinite": factored(indefinite), "taken": preconditioned(whole)}
+    if WORLD.rank == 0:
+        print(json.dumps(cases))
+
+
+main()

@@ -1,0 +1,33 @@
+"""Complete factors in blocks of nodes that three ranks share, one of which has nothing."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.mpi
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory, outside):
+    program = str(Path(__file__).with_name("shared_solves_program.py"))
+    command = ["mpiexec", "-n", "3", sys.executable, program]
+    folder = tmp_path_factory.mktemp("ranks")
+    done = subprocess.run(command, cwd=folder, env=outside, capture_output=True, text=True, timeout=240)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.mark.parametrize(("case", "most"), [("definite", 1e-12), ("indefinite", 1e-5)])
+def test_a_shared_factor_in_blocks_of_nodes_solves_and_counts(found, case, most):
+    """Without exchanges of rows indefinite matrices are solved less exactly; their eigenvalues are counted."""
+    one = found[case]
+    assert one["below"] == one["expected"]
+    assert one["left"] < most and one["same"]
+
+
+def test_as_a_preconditioner_it_takes_up_other_patterns_and_ends_where_there_is_no_factor(found):
+    first, other, none = found["taken"]
+    assert 0 < first <= 2 and 0 < other <= 2 and none == -1
