@@ -89,7 +89,7 @@ class NodeInterior:
     def make(self, local: sp.csr_matrix) -> Reals:
         """Factor values on the pattern of before; see `InteriorFactor`."""
         if self._whole is None:
-            self._begin(local)
+            self._whole = self._begin(local)
         np.take(np.append(local.data, 0.0), self._source, out=self._whole.data)
         self._factor.make(self._whole)
         self.negative, self.singular, self.nonzeros = (
@@ -99,8 +99,8 @@ class NodeInterior:
         )
         return self._factor.complement()
 
-    def _begin(self, local: sp.csr_matrix) -> None:
-        """Note the symmetric pattern in blocks, which the border's own nodes are on as zeros."""
+    def _begin(self, local: sp.csr_matrix) -> sp.csr_matrix:
+        """The symmetric pattern in blocks, which the border's own nodes are on as zeros."""
         numbers = sp.csr_matrix((np.arange(1.0, len(local.data) + 1.0), local.indices, local.indptr), local.shape)
         inside, beside = numbers[: self.count, : self.count], numbers[: self.count, self.count :]
         zero = float(len(local.data) + 1)
@@ -108,7 +108,7 @@ class NodeInterior:
         whole = sp.bmat([[inside, beside], [beside.T, own]], format="csr") if self.border else inside
         whole.sort_indices()
         self._source = whole.data.astype(int) - 1
-        self._whole = sp.csr_matrix((np.zeros(len(whole.data)), whole.indices, whole.indptr), whole.shape)
+        return sp.csr_matrix((np.zeros(len(whole.data)), whole.indices, whole.indptr), whole.shape)
 
     def solve(self, rows: Reals) -> Reals:
         """The inverse of the first block times each row (k, n)."""
