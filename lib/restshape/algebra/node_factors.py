@@ -12,7 +12,7 @@ from restshape.algebra.preconditioner import order_factor
 from restshape.arrays import Reals
 
 
-class NodeFactor:
+class BorderedFactor:
     """A Cholesky factor of a sequential matrix, in blocks of nodes, whose pattern is kept.
 
     Args:
@@ -83,7 +83,7 @@ class NodeInterior:
     def __init__(self, count: int, border: int, nodes: int) -> None:
         self.count, self.border, self.nodes = count, border, nodes
         self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
-        self._factor = NodeFactor(border)
+        self._factor = BorderedFactor(border)
         self._whole: sp.csr_matrix | None = None
 
     def make(self, local: sp.csr_matrix) -> Reals:
@@ -125,21 +125,21 @@ class NodeInterior:
 
 
 class DenseBorder:
-    """The dense factor of the border's complement (m, m), by `NodeFactor`.
+    """The dense factor of the border's complement (m, m), by `BorderedFactor`.
 
     Attributes:
         negative: pivots.
     """
 
     def __init__(self) -> None:
-        self.negative, self._factor, self._size = 0, NodeFactor(), 0
+        self.negative, self._factor, self._size = 0, BorderedFactor(), 0
 
     def make(self, complement: Reals) -> bool:
         """Factor; whether a pivot is zero."""
         size = len(complement)
         if size != self._size:
             self.destroy()
-            self._factor, self._size = NodeFactor(), size
+            self._factor, self._size = BorderedFactor(), size
         if not size:
             self.negative = 0
             return False
