@@ -1,9 +1,11 @@
-// Scalar products in the energy of a matrix: its entries are read once for all vectors.
+// Guesses from solutions before: sums of vectors in one pass over them, and scalar products in the energy of a matrix,
+// whose entries are read once for all vectors.
 #include <petscmat.h>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <stdexcept>
 #include <vector>
 
@@ -53,9 +55,50 @@ bool energy_products(intptr_t handle, const Reals& x, const Reals& b, const Real
     return true;
 }
 
+void weighted_sum(const Reals& weights, const py::list& rows, Reals out) {
+    constexpr py::ssize_t most = 16, strip = 512;  // numbers that stay in the first cache
+    const auto count = static_cast<py::ssize_t>(rows.size());
+    if (weights.size() != count || count > most) throw std::invalid_argument("rows must be as many as weights, at most 16");
+    const double* from[most];
+    for (py::ssize_t k = 0; k < count; ++k) {
+        const auto row = py::cast<Reals>(rows[k]);
+        if (row.size() != out.size()) throw std::invalid_argument("rows must have the size of out");
+        from[k] = row.data();
+    }
+    double *to = out.mutable_data(), sum[strip];
+    for (py::ssize_t start = 0; start < out.size(); start += strip) {
+        const py::ssize_t size = std::min(strip, out.size() - start);
+        std::fill(sum, sum + size, 0.0);
+        for (py::ssize_t k = 0; k < count; ++k) {
+            const double weight = weights.data()[k], *row = from[k] + start;
+            for (py::ssize_t i = 0; i < size; ++i) sum[i] += weight * row[i];
+        }
+        std::copy(sum, sum + size, to + start);
+    }
+}
+
+bool take_increment(const Reals& now, Reals last, Reals step) {
+    const py::ssize_t n = now.size();
+    if (last.size() != n || step.size() != n) throw std::invalid_argument("now, last and step must have one size");
+    const double* to = now.data();
+    double *before = last.mutable_data(), *way = step.mutable_data();
+    bool moved = false;
+    for (py::ssize_t i = 0; i < n; ++i) {
+        way[i] = to[i] - before[i];
+        before[i] = to[i];
+        moved |= way[i] != 0.0;
+    }
+    return moved;
+}
+
 }  // namespace
 
 void bind_increments(py::module_& m) {
+    m.def("weighted_sum", &weighted_sum, py::arg("weights").noconvert(), py::arg("rows"), py::arg("out").noconvert(),
+          "Writes the sum of at most 16 rows, arrays of one size, times weights (k,) to out, which may be one of them.");
+    m.def("take_increment", &take_increment, py::arg("now").noconvert(), py::arg("last").noconvert(),
+          py::arg("step").noconvert(),
+          "Writes now - last to step, and then now to last, all of one size; whether a number has changed.");
     m.def("energy_products", &energy_products, py::arg("handle"), py::arg("x").noconvert(), py::arg("b").noconvert(),
           py::arg("steps").noconvert(), py::arg("gram").noconvert(), py::arg("right").noconvert(),
           "Writes steps . A steps into gram (m, m) and steps . (b - A x) into right (m,), of steps (m, n) and PETSc's "

@@ -1,7 +1,7 @@
 // Extends displacements of the boundary into a triangle mesh by Laplace's equation.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "algebra/scalar_cholesky.hpp"
 #include "quiet_intrinsics.hpp"
 
 namespace restshape {
@@ -35,7 +36,7 @@ class HarmonicExtension {
         for (std::int32_t e = 0; e < cell_count; ++e) shapes_[e] = shape_of(X, cells + 3 * e);
         make_pattern();
         assemble();
-        if (free_count_) factor_.analyzePattern(stiffness_);
+        if (free_count_) factor_.analyse(stiffness_);
         factorise();
     }
 
@@ -45,11 +46,16 @@ class HarmonicExtension {
         if (free_count_) {
             const Rows load = pull_ * values;
             if (values.cols() == 4) {
-                substitute<4>(load, &inside);
+                factor_.solve<4>(load.data(), inside.data());
             } else if (values.cols() == 2) {
-                substitute<2>(load, &inside);
+                factor_.solve<2>(load.data(), inside.data());
             } else {
-                inside = factor_.solve(load);
+                for (Eigen::Index k = 0; k < values.cols(); ++k) {
+                    const Eigen::VectorXd one = load.col(k);
+                    Eigen::VectorXd found(free_count_);
+                    factor_.solve<1>(one.data(), found.data());
+                    inside.col(k) = found;
+                }
             }
         }
         Rows all(node_count_, values.cols());
@@ -169,35 +175,9 @@ class HarmonicExtension {
         pull_.setFromTriplets(pulls_.begin(), pulls_.end());
     }
 
-    // The factor's substitutions for all columns together, in the order in which Eigen does them one after the other.
-    template <int columns>
-    void substitute(const Rows& load, Rows* inside) const {
-        using Row = Eigen::Array<double, 1, columns>;
-        std::vector<Row> x(free_count_);
-        const auto& lower = factor_.matrixL().nestedExpression();
-        const auto& place = factor_.permutationP().indices();
-        const Eigen::VectorXd diagonal = factor_.vectorD();
-        const auto* first = lower.outerIndexPtr();
-        const auto* rows = lower.innerIndexPtr();
-        const double* values = lower.valuePtr();
-        for (std::int32_t k = 0; k < free_count_; ++k) x[place[k]] = load.row(k);
-        for (std::int32_t k = 0; k < free_count_; ++k) {
-            const Row own = x[k];
-            for (auto j = first[k]; j < first[k + 1]; ++j) x[rows[j]] -= values[j] * own;
-        }
-        for (std::int32_t k = 0; k < free_count_; ++k) x[k] *= 1.0 / diagonal[k];
-        for (std::int32_t k = free_count_ - 1; k >= 0; --k) {
-            Row own = x[k];
-            for (auto j = first[k]; j < first[k + 1]; ++j) own -= values[j] * x[rows[j]];
-            x[k] = own;
-        }
-        for (std::int32_t k = 0; k < free_count_; ++k) inside->row(k) = x[place[k]];
-    }
-
     void factorise() {
         if (!free_count_) return;
-        factor_.factorize(stiffness_);
-        if (factor_.info() != Eigen::Success) throw std::runtime_error("the mesh has a triangle without area");
+        if (!factor_.factorise(stiffness_)) throw std::runtime_error("the mesh has a triangle without area");
     }
 
     std::int32_t node_count_, boundary_count_, free_count_ = 0;
@@ -208,7 +188,7 @@ class HarmonicExtension {
     std::vector<Eigen::Triplet<double, std::int32_t>> pulls_;
     Eigen::SparseMatrix<double> stiffness_;
     Eigen::SparseMatrix<double, Eigen::RowMajor> pull_;
-    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+    ScalarCholesky factor_;
 };
 
 }  // namespace restshape

@@ -218,7 +218,8 @@ class LinearSolver:
         if self.keeps:
             self._count(last, refreshed, new_system, uses)
         if self.projection and self.projection.pays and not auxiliary:
-            self.projection.keep(x)
+            with self.stages("krylov"):
+                self.projection.keep(x)
         return self._reported(LinearReport(iterations, refreshed, self.age, self.name))
 
     def _weigh(self, b: PETSc.Vec) -> None:

@@ -49,7 +49,8 @@ class Projection:
         gram.flat[:: used + 1] += RIDGE
         weights = np.linalg.solve(gram, right / scale) / scale
         if np.isfinite(weights).all():
-            x.getArray()[:] += weights @ steps
+            now = x.getArray()
+            _kernels.weighted_sum(np.append(weights, 1.0), [*steps, now], now)
             x.stateIncrease()
 
     def _energies(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, steps: Reals) -> tuple[Reals, Reals]:
@@ -77,11 +78,10 @@ class Projection:
             self.last = now.copy()
             return
         place = self.count % self.directions
-        np.subtract(now, self.last, out=self.steps[place])
-        self.last[:] = now
+        moved = _kernels.take_increment(now, self.last, self.steps[place])
         self.step_vectors[place].stateIncrease()
         # Where nothing has moved, the place serves the next increment.
-        self.count += self.step_vectors[place].norm() > 0.0
+        self.count += moved if self.comm.size == 1 else any(self.comm.tompi4py().allgather(moved))
 
     def interpolate(self, interpolate: Callable[[Reals], Reals]) -> None:
         """Take solutions where their nodes are now, by a function of rows (n f,); several ranks forget them."""

@@ -4,6 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from restshape import _kernels
+
 SPACING = 0.4
 """Steps of a drag whose lengths differ by more than this factor are no ground for a parabola."""
 
@@ -29,12 +31,23 @@ class Guess:
 
     def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
         """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""
+        terms = self.terms(x, hand)
+        if len(terms) == 1 and terms[0][0] == 1.0:
+            return x
+        found = np.empty_like(x)
+        _kernels.weighted_sum(np.array([weight for weight, _ in terms]), [field for _, field in terms], found)
+        return found
+
+    def terms(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> list[tuple[float, np.ndarray]]:
+        """The weights and the fields (n, f) of which the guess is the sum; arguments as of a call."""
         if not self.warm:
-            return np.zeros_like(x)
+            return []
         ratio = self._ratio(hand)
         if ratio == 0.0 or self.last is None or self.before is None:
-            return x
-        return x + ratio * (self.last - self.before)
+            return [(1.0, x)]
+        if self.last is x:
+            return [(1.0 + ratio, x), (-ratio, self.before)]
+        return [(1.0, x), (ratio, self.last), (-ratio, self.before)]
 
     def keep(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> None:
         """Remember the solution x (n, f) at this place of the hand."""
@@ -80,12 +93,12 @@ class CurvedGuess(Guess):
         super().interpolate(interpolate)
         self.oldest = None if self.oldest is None else interpolate(self.oldest)
 
-    def __call__(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> np.ndarray:
-        """The guess (n, f) for the hand at (gesture, (c0, c1)); x (n, f) is the last solution."""
+    def terms(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> list[tuple[float, np.ndarray]]:
+        """The weights and the fields (n, f) of which the guess is the sum; arguments as of a call."""
         weights = self._weights(hand)
         if weights is None or self.before is None or self.oldest is None:
-            return super().__call__(x, hand)
-        return weights[0] * x + weights[1] * self.before + weights[2] * self.oldest
+            return super().terms(x, hand)
+        return list(zip(weights, (x, self.before, self.oldest)))
 
     def _weights(self, hand: tuple[object, tuple[float, float]]) -> tuple[float, float, float] | None:
         """Lagrange's weights of the last three solutions over their way along this step; None where it bends."""

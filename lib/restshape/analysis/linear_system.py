@@ -1,14 +1,16 @@
 """The linear system of a frame: operator, right side and solution on one mesh."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
 from restshape.algebra.traits import Traits
+from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.problem import INTERNAL, SteadyProblem
 
 
@@ -61,9 +63,36 @@ class LinearSystem:
     def mat(self, mat: PETSc.Mat) -> None:
         self.late, self._mat = None, mat
 
-    def gather(self) -> None:
-        """Fill `full` with all ranks' rows of the solution."""
+    def start(self, terms: Sequence[tuple[float, np.ndarray]], boundary: Dirichlet) -> None:
+        """Let the iteration start from the sum of fields (n, f) times weights, and take in another right side.
+
+        Where supports move, the guess is set at all nodes, for residuals are measured against its forces.
+        """
+        # PETSc keeps a vector's norm until it is notified that the array behind it has changed.
+        self.b.stateIncrease()
+        rows = slice(0, self.full.size) if boundary.nonzero else self.rows
+        terms = [*terms, (-1.0, boundary.values)] if boundary.nonzero else terms
+        fields = [field.ravel()[rows] for _, field in terms]
+        _kernels.weighted_sum(np.array([weight for weight, _ in terms], dtype=float), fields, self.full[rows])
+        self.full[boundary.constrained] = 0.0
+        if self.b.norm() == 0.0:
+            # From another guess an iteration would leave rounding, in which buckling would look for modes.
+            self.full[:] = 0.0
+        self.solution.stateIncrease()
+
+    def unknowns(self, boundary: Dirichlet) -> np.ndarray:
+        """The unknowns (n, f), prescribed ones included, of which each rank has solved for its own; collective."""
         gather_vector(self.full, self.rows, self.comm)
+        return self.with_prescribed(boundary)
+
+    def with_prescribed(self, boundary: Dirichlet) -> np.ndarray:
+        """The unknowns (n, f) of `full` as it is, prescribed ones included."""
+        values = boundary.values
+        if not boundary.nonzero:
+            return self.full.reshape(values.shape).copy()
+        found = np.empty(values.shape)
+        _kernels.weighted_sum(np.ones(2), [self.full, values], found)
+        return found
 
 
 def refuse_unsymmetric(problem: SteadyProblem) -> None:

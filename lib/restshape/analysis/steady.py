@@ -428,15 +428,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
             dead_loads(problem, system.right)
             internal = Assembled(problem.integrals(INTERNAL), system.operator)
             system.mat = internal.system(problem.boundary.values, system.right)
-        # PETSc keeps a vector's norm until it is notified that the array behind it has changed.
-        system.b.stateIncrease()
-        guess = self.guess(state.x, frame.hand)
-        np.subtract(guess, problem.boundary.values, out=system.full.reshape(guess.shape))
-        system.full[problem.boundary.constrained] = 0.0
-        if system.b.norm() == 0.0:
-            # From another guess an iteration would leave rounding, in which buckling would look for modes.
-            system.full[:] = 0.0
-        system.solution.stateIncrease()
+        with context.stages("krylov"):
+            system.start(self.guess.terms(state.x, frame.hand), problem.boundary)
         # The solver may have met the mesh of a frame that failed, which is gone.
         patched = not new_mesh and frame.mesh.topology != state.topology
         report, x, scale = self._converge(new_mesh or state.interrupted, patched)
@@ -497,9 +490,10 @@ class SteadyAnalysis(Timeless, Generic[P]):
         forces in the body; and those are known only with the solution, hence the second look.
         """
         system, boundary, total = self.state.system, self.state.problem.boundary, None
-        values, places = boundary.values, self._rigid_places
+        places, stages = self._rigid_places, self.context.stages
+        x: np.ndarray | None = None
         while True:
-            scale = self._force_scale(system.full.reshape(values.shape) + values) if boundary.nonzero else None
+            scale = self._force_scale(system.with_prescribed(boundary) if x is None else x) if boundary.nonzero else None
             report = self.solver.solve(
                 system.mat,
                 system.b,
@@ -510,8 +504,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
                 places=places,
                 scale=scale,
             )
-            system.gather()
-            x = system.full.reshape(values.shape) + values
+            with stages("krylov"):
+                x = system.unknowns(boundary)
             total = report if total is None else total.followed_by(report)
             if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
                 return total, x, scale
@@ -523,8 +517,9 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def _force_scale(self, x: np.ndarray) -> float:
         """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual resolve."""
-        least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
-        return max(internal_norm(self.state.problem, x), least)
+        with self.context.stages("values"):
+            least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
+            return max(internal_norm(self.state.problem, x), least)
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 

@@ -1,0 +1,126 @@
+// A complete Cholesky factor of a sparse matrix of numbers, positive definite: Eigen's order of minimal degree, the
+// pattern found once, and the numbers of `BlockFactor` with blocks of one number.
+#pragma once
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "algebra/block_factor.hpp"
+
+namespace restshape {
+
+class ScalarCholesky {
+ public:
+    using Matrix = Eigen::SparseMatrix<double>;
+
+    // Takes up the pattern of a matrix, of which the lower triangle by columns is given, the diagonal first.
+    void analyse(const Matrix& lower) {
+        const auto n = static_cast<PetscInt>(lower.cols());
+        order(lower);
+        arrange(lower);
+        // Each row has the columns of the matrix, and of the rows above whose first column it is, less itself.
+        std::vector<PetscInt> next(n, -1), last(n, -1);  // rows above with one first column, in a chain
+        std::vector<PetscInt> mark(n, -1);
+        start_.assign(1, n);
+        column_.assign(n, 0);
+        for (PetscInt k = 0; k < n; ++k) {
+            mark[k] = k;
+            const auto take = [&](PetscInt column) {
+                if (mark[column] != k) mark[column] = k, column_.push_back(column);
+            };
+            for (PetscInt j = from_[k] + 1; j < from_[k + 1]; ++j) take(to_[j]);
+            for (PetscInt row = last[k]; row >= 0; row = next[row])
+                for (PetscInt j = start_[row]; j < start_[row + 1]; ++j) take(column_[j]);
+            std::sort(column_.begin() + start_[k], column_.end());
+            start_.push_back(static_cast<PetscInt>(column_.size()));
+            if (start_[k] == start_[k + 1]) continue;
+            const PetscInt first = column_[start_[k]];
+            next[k] = last[first], last[first] = k;
+        }
+        value_.resize(column_.size());
+    }
+
+    // Makes the factor of a matrix with that pattern; false where a pivot is 0 or no number.
+    bool factorise(const Matrix& lower) {
+        const double* stored = lower.valuePtr();
+        for (std::size_t j = 0; j < slot_.size(); ++j) upper_[j] = stored[slot_[j]];
+        const auto n = static_cast<PetscInt>(lower.cols());
+        const StoredBlocks a{n, from_.data(), to_.data(), place_.data(), length_.data(), upper_.data()};
+        factor_.make(a, rows());
+        return std::all_of(value_.begin(), value_.begin() + n, [](double pivot) { return std::isfinite(pivot); });
+    }
+
+    // Solves for all columns together; load and found are (n, columns) by rows.
+    template <int columns>
+    void solve(const double* load, double* found) const {
+        using Row = Eigen::Array<double, 1, columns>;
+        const auto n = static_cast<PetscInt>(place_of_.size());
+        std::vector<Row, Eigen::aligned_allocator<Row>> x(n);
+        for (PetscInt i = 0; i < n; ++i) x[place_of_[i]] = Eigen::Map<const Row>(load + columns * i);
+        for (PetscInt k = 0; k < n; ++k) {
+            const Row own = x[k];
+            for (PetscInt j = start_[k]; j < start_[k + 1]; ++j) x[column_[j]] += value_[j] * own;
+        }
+        for (PetscInt k = n - 1; k >= 0; --k) {
+            Row own = value_[k] * x[k];
+            for (PetscInt j = start_[k]; j < start_[k + 1]; ++j) own += value_[j] * x[column_[j]];
+            x[k] = own;
+        }
+        for (PetscInt i = 0; i < n; ++i) Eigen::Map<Row>(found + columns * i) = x[place_of_[i]];
+    }
+
+ private:
+    BlockRows rows() {
+        return {static_cast<PetscInt>(place_of_.size()), start_.data(), column_.data(), value_.data()};
+    }
+
+    void order(const Matrix& lower) {
+        Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> found;
+        Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), found);
+        place_of_.resize(lower.cols());
+        // Its indices are the unknown at each place.
+        for (Eigen::Index k = 0; k < lower.cols(); ++k) place_of_[found.indices()[k]] = static_cast<PetscInt>(k);
+    }
+
+    // The upper triangle by rows in that order, with the place in the lower one of each entry.
+    void arrange(const Matrix& lower) {
+        const auto n = static_cast<PetscInt>(lower.cols());
+        const auto* first = lower.outerIndexPtr();
+        const auto* row = lower.innerIndexPtr();
+        std::vector<std::pair<PetscInt, PetscInt>> entries(lower.nonZeros());  // column, place in the lower one
+        from_.assign(n + 1, 0);
+        const auto each = [&](auto&& visit) {
+            for (PetscInt c = 0; c < n; ++c)
+                for (auto j = first[c]; j < first[c + 1]; ++j) {
+                    const PetscInt a = place_of_[c], b = place_of_[row[j]];
+                    visit(std::min(a, b), std::max(a, b), static_cast<PetscInt>(j));
+                }
+        };
+        each([&](PetscInt a, PetscInt, PetscInt) { ++from_[a + 1]; });
+        for (PetscInt k = 0; k < n; ++k) from_[k + 1] += from_[k];
+        std::vector<PetscInt> next(from_.begin(), from_.end() - 1);
+        each([&](PetscInt a, PetscInt b, PetscInt j) { entries[next[a]++] = {b, j}; });
+        to_.resize(entries.size());
+        slot_.resize(entries.size());
+        place_.resize(entries.size());
+        upper_.resize(entries.size());
+        length_.assign(n, 1);
+        for (PetscInt k = 0; k < n; ++k) std::sort(entries.begin() + from_[k], entries.begin() + from_[k + 1]);
+        for (std::size_t j = 0; j < entries.size(); ++j) {
+            to_[j] = entries[j].first, slot_[j] = entries[j].second;
+            place_[j] = static_cast<PetscInt>(j);
+        }
+    }
+
+    std::vector<PetscInt> place_of_;                          // of each unknown in the order
+    std::vector<PetscInt> from_, to_, slot_, place_, length_;  // the matrix in that order
+    std::vector<PetscInt> start_, column_;                    // the factor, its pivots first
+    std::vector<double> upper_, value_;
+    BlockFactor<1> factor_;
+};
+
+}  // namespace restshape
