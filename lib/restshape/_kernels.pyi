@@ -96,6 +96,7 @@ __all__: list[str] = [
     "space_recovery_points",
     "split_prisms",
     "stop_watching",
+    "take_increment",
     "thickness_stretch",
     "total_area",
     "triad_seconds",
@@ -104,6 +105,7 @@ __all__: list[str] = [
     "von_mises",
     "watch",
     "watch_outlet",
+    "weighted_sum",
     "with_points",
 ]
 
@@ -920,6 +922,11 @@ def split_prisms(
     changed: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
 ) -> None: ...
 def stop_watching() -> None: ...
+def take_increment(
+    now: numpy.typing.NDArray[numpy.float64],
+    last: numpy.typing.NDArray[numpy.float64],
+    step: numpy.typing.NDArray[numpy.float64],
+) -> bool: ...
 def thickness_stretch(
     X: numpy.typing.NDArray[numpy.float64],
     u: numpy.typing.NDArray[numpy.float64],
@@ -962,6 +969,9 @@ def watch(
 ) -> None: ...
 def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
+) -> None: ...
+def weighted_sum(
+    weights: numpy.typing.NDArray[numpy.float64], rows: list, out: numpy.typing.NDArray[numpy.float64]
 ) -> None: ...
 def with_points(
     values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -20,6 +20,7 @@ DEFAULTS = {
     "loaded",
     "add_nodal_loads",
     "add_nodal_load_rates",
+    "share",
     "objection",
     "linear_displacement",
     "energy_moduli",

@@ -58,7 +58,8 @@ bool energy_products(intptr_t handle, const Reals& x, const Reals& b, const Real
 void weighted_sum(const Reals& weights, const py::list& rows, Reals out) {
     constexpr py::ssize_t most = 16, strip = 512;  // numbers that stay in the first cache
     const auto count = static_cast<py::ssize_t>(rows.size());
-    if (weights.size() != count || count > most) throw std::invalid_argument("rows must be as many as weights, at most 16");
+    if (weights.size() != count || count > most)
+        throw std::invalid_argument("rows must be as many as weights, at most 16");
     const double* from[most];
     for (py::ssize_t k = 0; k < count; ++k) {
         const auto row = py::cast<Reals>(rows[k]);
@@ -94,8 +95,9 @@ bool take_increment(const Reals& now, Reals last, Reals step) {
 }  // namespace
 
 void bind_increments(py::module_& m) {
-    m.def("weighted_sum", &weighted_sum, py::arg("weights").noconvert(), py::arg("rows"), py::arg("out").noconvert(),
-          "Writes the sum of at most 16 rows, arrays of one size, times weights (k,) to out, which may be one of them.");
+    m.def(
+        "weighted_sum", &weighted_sum, py::arg("weights").noconvert(), py::arg("rows"), py::arg("out").noconvert(),
+        "Writes the sum of at most 16 rows, arrays of one size, times weights (k,) to out, which may be one of them.");
     m.def("take_increment", &take_increment, py::arg("now").noconvert(), py::arg("last").noconvert(),
           py::arg("step").noconvert(),
           "Writes now - last to step, and then now to last, all of one size; whether a number has changed.");

@@ -74,9 +74,7 @@ class ScalarCholesky {
     }
 
  private:
-    BlockRows rows() {
-        return {static_cast<PetscInt>(place_of_.size()), start_.data(), column_.data(), value_.data()};
-    }
+    BlockRows rows() { return {static_cast<PetscInt>(place_of_.size()), start_.data(), column_.data(), value_.data()}; }
 
     void order(const Matrix& lower) {
         Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> found;
@@ -116,9 +114,9 @@ class ScalarCholesky {
         }
     }
 
-    std::vector<PetscInt> place_of_;                          // of each unknown in the order
+    std::vector<PetscInt> place_of_;                           // of each unknown in the order
     std::vector<PetscInt> from_, to_, slot_, place_, length_;  // the matrix in that order
-    std::vector<PetscInt> start_, column_;                    // the factor, its pivots first
+    std::vector<PetscInt> start_, column_;                     // the factor, its pivots first
     std::vector<double> upper_, value_;
     BlockFactor<1> factor_;
 };

@@ -80,9 +80,13 @@ class LinearSystem:
             self.full[:] = 0.0
         self.solution.stateIncrease()
 
+    def gather(self) -> None:
+        """Fill `full` with all ranks' rows of the solution."""
+        gather_vector(self.full, self.rows, self.comm)
+
     def unknowns(self, boundary: Dirichlet) -> np.ndarray:
         """The unknowns (n, f), prescribed ones included, of which each rank has solved for its own; collective."""
-        gather_vector(self.full, self.rows, self.comm)
+        self.gather()
         return self.with_prescribed(boundary)
 
     def with_prescribed(self, boundary: Dirichlet) -> np.ndarray:

@@ -373,6 +373,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
             known = frame.scene is before.scene
             plan = before.plan if known else planned(frame.scene, application_of(frame.scene))
             problem = self.make(frame.scene, plan, mesh)
+            problem.share(context.comm)
             observer = problem.observer(self._observed_quantities(frame.scene.quantities))
             if new_mesh:
                 system = self._make_system(problem)
@@ -493,7 +494,9 @@ class SteadyAnalysis(Timeless, Generic[P]):
         places, stages = self._rigid_places, self.context.stages
         x: np.ndarray | None = None
         while True:
-            scale = self._force_scale(system.with_prescribed(boundary) if x is None else x) if boundary.nonzero else None
+            scale = (
+                self._force_scale(system.with_prescribed(boundary) if x is None else x) if boundary.nonzero else None
+            )
             report = self.solver.solve(
                 system.mat,
                 system.b,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from petsc4py import PETSc
 
 from restshape.algebra.operator import Block
 from restshape.algebra.traits import Traits
@@ -134,6 +135,9 @@ class SteadyProblem(Problem, Protocol):
 
     def add_nodal_load_rates(self, dX: np.ndarray, out: np.ndarray) -> None:
         """Take the rates of the loads of `add_nodal_loads`, when nodes move with dX (n, d), from `out` (n, f)."""
+
+    def share(self, comm: PETSc.Comm) -> None:
+        """Let ranks share what its observer and its estimate do, which are collective then; by default they do not."""
 
     def start(self) -> np.ndarray:
         """The unknowns (n, f) from which a search begins that knows nothing of the solution."""

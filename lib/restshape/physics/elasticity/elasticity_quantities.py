@@ -18,6 +18,7 @@ from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.nodal_stress import NodalStress
+from restshape.physics.elasticity.shared_solid import SharedSolid
 from restshape.physics.elasticity.target_curves import CurveDistances, GoalDistance
 from restshape.scene.model import Quantity
 
@@ -27,9 +28,11 @@ class ObservedSolid(SteadyProblem, Protocol):
 
     Attributes:
         nodal_stress: of the nodes.
+        shared: what ranks observe together; None: each of them observes the whole.
     """
 
     nodal_stress: NodalStress
+    shared: SharedSolid | None
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """Strain energies (ne,) [J] of the cells at the displacement x (n, 2) [m]."""
@@ -95,6 +98,8 @@ class PlaneQuantities:
             raise UserError(
                 f"a solid in static equilibrium has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"'
             )
+        if self.solid.shared:
+            return self.solid.shared.energy(cells)
         return lambda x, *_: self.solid.energies(x)[cells].sum()
 
     def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
@@ -109,6 +114,8 @@ class PlaneQuantities:
     def _stress(self, quantity: Quantity, nodes: np.ndarray | slice) -> Function:
         component, nodal = quantity.stress, self.solid.nodal_stress
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
+        if self.solid.shared:
+            return self.solid.shared.extreme(component, str(quantity.reduce), nodes, cells)
         rows = nodal.recovery.rows(nodes, cells)
         reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
         return lambda x, *_: reduce(nodal.component(component, x)[rows])

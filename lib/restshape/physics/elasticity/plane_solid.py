@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
+from petsc4py import PETSc
 
 from restshape.algebra.traits import Traits
 from restshape.errors import UserError
@@ -15,6 +16,7 @@ from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
 from restshape.fem.observer import Observer
+from restshape.fem.part_space import pays
 from restshape.fem.problem import (
     CONSISTENT,
     FOLLOWERS,
@@ -39,6 +41,7 @@ from restshape.physics.elasticity.elasticity_quantities import MotionQuantities,
 from restshape.physics.elasticity.loads import PlaneLoads
 from restshape.physics.elasticity.nodal_stress import NodalStress, blank_stress
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
+from restshape.physics.elasticity.shared_solid import EXTREMES, SharedSolid
 from restshape.physics.elasticity.stiffness import lame
 from restshape.physics.elasticity.stress import PlaneStresses, plane_compliance
 from restshape.scene.model import Quantity, Scene
@@ -64,6 +67,7 @@ class PlaneSolid(TransientProblem):
         materials: (regions + 1, 4) lambda, mu [Pa], thickness [m], density [kg/m^3].
         stiffness_params: lambda, mu, thickness, 0, 0 of the cells, (5,) or (ne, 5).
         loads: on points, edges and the volume.
+        shared: what ranks observe together; None: each of them observes the whole.
         stresses: of the cells; nodal_stress: of the nodes.
 
     Raises:
@@ -96,6 +100,7 @@ class PlaneSolid(TransientProblem):
         check_rigid_body_modes(space.X, self.boundary.mask, scene)
         self.boundary.evaluate(space.X)
         self.symmetric = not self.loads.followers
+        self.shared: SharedSolid | None = None
 
     # --- a problem -------------------------------------------------------------------------------------------------
 
@@ -193,6 +198,12 @@ class PlaneSolid(TransientProblem):
         """Take the rates of these loads, when nodes move with rates dX (n, 2), from `out` (n, 2) [N]."""
         self.loads.add_nodal_rates(dX, out)
 
+    def share(self, comm: PETSc.Comm) -> None:
+        """Let ranks share quantities and estimates, where that is faster; see `fem.problem.SteadyProblem`."""
+        wanted = [q.reduce for q in self.scene.quantities.values() if q.stress]
+        if pays(comm, self.space) and all(how in EXTREMES for how in wanted):
+            self.shared = SharedSolid(comm, self)
+
     def objection(self, x: np.ndarray) -> str:
         """What is wrong with a displacement x (n, 2) [m] that cells cannot bear; empty where nothing is."""
         return self.stresses.objection(x)
@@ -258,6 +269,8 @@ class PlaneSolid(TransientProblem):
         lame, shear, thickness, _ = self.materials.T
         compliance = plane_compliance(lame, shear, thickness)
         # Of small strains the norm takes the stresses that quantities take, zz apart, which has no part in it.
+        if self.shared:
+            return self.shared.estimate(compliance, self.stiffest)
         shared = self.nodal_stress if self.linear else None
         return RecoveryEstimate(self.space, self.stresses.of_estimate, compliance, self.stiffest, shared)
 

@@ -1,0 +1,78 @@
+"""What a rank looks at of a space that all ranks have whole: its share of the cells, and the cells around them."""
+
+from __future__ import annotations
+
+import numpy as np
+from petsc4py import PETSc
+
+from restshape.algebra.row_share import RowShare
+from restshape.fem.entity_sets import cells_around
+from restshape.fem.space import Space
+
+LEAST_SHARED = 30_000
+"""Cells below which ranks observe and estimate whole: what they would save is less than a sum over ranks takes."""
+
+
+def pays(comm: PETSc.Comm, space: Space) -> bool:
+    """Whether ranks are faster when each observes its share of the cells of a space, and results are summed."""
+    return comm.size > 1 and len(space.cells) >= LEAST_SHARED and space.dofs is space.cells
+
+
+class PartSpace:
+    """A rank's share of the cells, and two rings around it, with nodes that are numbered by themselves.
+
+    The share are consecutive cells, as many on each rank. The rings hold what recovery at its nodes reads: a node at a
+    border takes the mean of the polynomials of nodes next to it, which take the cells around them. Nodes and cells
+    keep their order, so that what is recovered at nodes of the share is what the whole space gives, bit for bit.
+
+    Args:
+        comm: PETSc communicator of the ranks.
+        space: whole on each of them; its nodes may move. After flips another part is made.
+
+    Attributes:
+        nodes: (k,) numbers in the space; own: the cells of the share among all; share: the same among `cells`.
+        chosen: (m,) int32 cells in the space, ascending.
+        X, cells, cell_region, topology, geometry, dim, cell_type: as of a space, of this part.
+    """
+
+    def __init__(self, comm: PETSc.Comm, space: Space) -> None:
+        self.space, self.sums = space, RowShare(comm, slice(0, 0), 0)
+        count, size = len(space.cells), comm.size
+        self.own = slice(count * comm.rank // size, count * (comm.rank + 1) // size)
+        self.chosen = cells_around(space, self._nodes_of(cells_around(space, self._nodes_of(self.own))))
+        if self.own.stop == self.own.start:
+            self.chosen = np.empty(0, dtype=np.int32)
+        first = int(np.searchsorted(self.chosen, self.own.start))
+        self.share = slice(first, first + self.own.stop - self.own.start)
+        self.nodes = self._nodes_of(self.chosen)
+        number = np.zeros(len(space.X), dtype=np.int32)
+        number[self.nodes] = np.arange(len(self.nodes), dtype=np.int32)
+        self.cells = number[space.cells[self.chosen]]
+        self.cell_region = space.cell_region[self.chosen]
+        self.dim, self.cell_type = space.dim, space.cell_type
+        self.topology, self.geometry = space.topology, space.geometry
+        self.X = space.X[self.nodes]
+
+    @property
+    def fits(self) -> bool:
+        """Whether no edge has been flipped since it was made."""
+        return self.topology == self.space.topology
+
+    def follow(self) -> None:
+        """Take the nodes where they are now."""
+        if self.geometry != self.space.geometry:
+            np.take(self.space.X, self.nodes, axis=0, out=self.X)
+            self.geometry = self.space.geometry
+
+    def of_cells(self, parameters: np.ndarray) -> np.ndarray:
+        """Parameters (m, p) of its cells, from those (ne, p) of all, or (p,) the same everywhere."""
+        return parameters[self.chosen] if parameters.ndim > 1 else parameters
+
+    def summed(self, values: np.ndarray) -> np.ndarray:
+        """The sum of values (k,) over the ranks, in their order; collective."""
+        return self.sums.summed(values)
+
+    def _nodes_of(self, cells: np.ndarray | slice) -> np.ndarray:
+        on = np.zeros(len(self.space.X), dtype=bool)
+        on[self.space.cells[cells]] = True
+        return np.flatnonzero(on).astype(np.int32)
