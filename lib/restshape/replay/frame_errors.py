@@ -105,7 +105,7 @@ class FrameErrors:
         """How far quantities of a predicted frame are from those of the solution; not numbers of others."""
         if self.prediction is None:
             return {}
-        known = self.prediction.predictor.quantity_distances() if row["predicted"] and wanted.answer else {}
+        known = self.prediction.quantity_distances() if row["predicted"] and wanted.answer else {}
         return {distance_column(name): known.get(name, nan) for name in edit.scene.quantities}
 
     def _residual(self) -> float:

@@ -15,6 +15,7 @@ from restshape.first_use import made as known
 from restshape.mesh.advance import MeshUpdate
 from restshape.mesh.follower import Follower
 from restshape.policy import Policy
+from restshape.replay.estimated_frames import needs_everything
 from restshape.sensitivity.linear_prediction import Prediction
 from restshape.shape.gesture import Gesture
 from restshape.shape.protocol import Session
@@ -27,6 +28,10 @@ ARC = "not predicted: bending an arc is not linear"
 BESIDE = "not predicted: the hand moves {}, which is no part of the shape"
 TRUSTED = 0.2
 """Estimated relative distance from the solution beyond which a frame is solved instead."""
+MANY = 30_000
+"""Unknowns from which on a frame takes less than an estimate of it, so that not every frame has one of its own."""
+FARTHER = 4.0
+"""Ways of the hand in which its last estimate serves a frame with so many unknowns."""
 
 
 class Predicted(Protocol):
@@ -53,7 +58,9 @@ class PredictedFrames:
 
     A prediction whose own estimate of its distance from the solution would be above `TRUSTED` is not shown: the frame
     is solved, and the next ones are predicted from it. The first one after a solved frame is estimated before it is
-    shown, the others by the estimate of the one before, which grows with the square of the way of the hand.
+    shown, the others by the estimate of the one before, which grows with the square of the way of the hand. With
+    `MANY` unknowns a frame is estimated anew where the hand has gone `FARTHER` since the last estimate, or where
+    `solve.estimate` asks for it by a number or "every"; else its estimate is the last one that has grown so.
 
     Args:
         analysis: with a predictor.
@@ -75,6 +82,8 @@ class PredictedFrames:
     kind = "linear"
     measured = True
     """Frames that are predicted have a residual, and an estimate, whether or not they are asked for."""
+    extrapolates = True
+    """Estimates of frames with many unknowns may be taken from the last one."""
 
     def __init__(self, analysis: Analysis[Problem], moving: Follower, session: Session, policy: Policy) -> None:
         if analysis.predictor is None:
@@ -95,6 +104,8 @@ class PredictedFrames:
         self._expected: Reals | None = None
         self._c = (0.0, 0.0)
         self._estimate: tuple[float, float] | None = None
+        self._distances: tuple[dict[str, float], float] = ({}, 0.0)
+        self._sparse = self._fresh = False
         self._doubt = ""
         self._beside = ""
 
@@ -116,6 +127,9 @@ class PredictedFrames:
         made, self._expected = self.made, None
         if made is None or edit.gesture is not made.gesture or mesh_update.level > 1 or edit.do == "analyse":
             return False
+        asked = needs_everything(edit.scene.solve.estimate, edit)
+        self._sparse = self.extrapolates and not asked and self.analysis.unknowns >= MANY
+        self._fresh = self._fresh and edit.change != "move"
         if edit.change == "move":
             before = self.predictor.values()
             self._set(made(edit.c))
@@ -128,11 +142,22 @@ class PredictedFrames:
 
     def estimated(self, estimate: float) -> None:
         """Take note of the estimated relative distance of the prediction that the analysis holds from the solution."""
-        self._estimate = estimate, self.distance
+        self._estimate, self._fresh = (estimate, self.distance), True
 
     def known_estimate(self) -> float | None:
         """What is known of the estimate of the frame without the analysis; None: the analysis estimates it."""
-        return None
+        if self._estimate is None or self._fresh or not self._sparse:
+            return None
+        error, way = self._estimate
+        return self._expected_error(error, way) if self.distance <= FARTHER * way else None
+
+    def quantity_distances(self) -> dict[str, float]:
+        """Estimated distances of the frame's quantities from those of the solution, by name; likewise."""
+        if self.known_estimate() is None:
+            self._distances = self.predictor.quantity_distances(), self.distance
+            return self._distances[0]
+        found, way = self._distances
+        return {name: self._expected_error(one, way) for name, one in found.items()}
 
     def _is_trusted(self) -> bool:
         """Whether the prediction that the analysis holds may be shown."""
@@ -178,6 +203,7 @@ class PredictedFrames:
     def forget(self) -> None:
         """The frame shows an answer of before, from which nothing is predicted."""
         self.made = self._expected = self._estimate = self._before = None
+        self._distances = {}, 0.0
         self.active, self.note, self._doubt = False, "", ""
 
     def set_expansion_point(self, edit: ScriptFrame, idle: bool) -> None:
@@ -196,6 +222,7 @@ class PredictedFrames:
         if kept:
             return
         self.made = self._estimate = None
+        self._distances = {}, 0.0
         if edit.gesture is None or edit.gesture is not gesture or not gesture.linear:
             if edit.change == "move" and edit.gesture is not None and not edit.gesture.linear:
                 self.note = ARC

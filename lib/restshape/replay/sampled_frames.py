@@ -55,7 +55,7 @@ class SampledFrames(PredictedFrames):
     kind = "gmls"
     rebases = True
     """Samples of another mesh are made to agree with the answer on this one."""
-
+    extrapolates = False
     def __init__(
         self,
         analysis: Analysis[Problem],
