@@ -112,6 +112,25 @@ def test_predictions_that_are_far_off_are_solved(tmp_path, monkeypatch):
     assert any(rows[i + 1]["predicted"] for i in doubted)
 
 
+def test_many_unknowns_are_estimated_where_the_hand_has_gone_far(tmp_path, monkeypatch):
+    """The others have the last estimate, grown with the square of the way; `every` and numbers ask for their own."""
+    events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.62, 0.55), 12))
+    scene, script = write_scene(tmp_path, plate(0.2, 2)), write_script(tmp_path, events)
+    found = {}
+    for many, when in ((np.inf, "auto"), (0, "auto"), (0, "every")):
+        monkeypatch.setattr(predicted_frames, "MANY", many)
+        made = make_replay(scene, script, overrides=[f"solve.estimate={when}"], predict="linear")
+        found[many, when] = [row for row in rows_of(made) if row["predicted"]]
+    each, few, every = found.values()
+    own = [row["index"] for row in few if np.isfinite(row["residual"])]
+    assert len(own) <= 4 < 8 < len(few) and own[0] == few[0]["index"]
+    assert all(np.isfinite(row["residual"]) for row in each + every)
+    for row, exact, asked in zip(few, each, every):
+        assert asked["estimate"] == exact["estimate"]
+        for name in ("estimate", "stretch_distance"):
+            assert row[name] == pytest.approx(exact[name], rel=1e-12 if row["index"] in own else 0.5)
+
+
 def test_a_first_frame_that_goes_far_is_solved(tmp_path, monkeypatch):
     monkeypatch.setattr(predicted_frames, "TRUSTED", 0.05)
     events = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.75, 0.6), 1))

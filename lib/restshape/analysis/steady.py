@@ -494,9 +494,10 @@ class SteadyAnalysis(Timeless, Generic[P]):
         places, stages = self._rigid_places, self.context.stages
         x: np.ndarray | None = None
         while True:
-            scale = (
-                self._force_scale(system.with_prescribed(boundary) if x is None else x) if boundary.nonzero else None
-            )
+            scale = None
+            if boundary.nonzero:
+                with stages("values"):
+                    scale = self._force_scale(system.with_prescribed(boundary) if x is None else x)
             report = self.solver.solve(
                 system.mat,
                 system.b,
@@ -510,7 +511,11 @@ class SteadyAnalysis(Timeless, Generic[P]):
             with stages("krylov"):
                 x = system.unknowns(boundary)
             total = report if total is None else total.followed_by(report)
-            if scale is None or scale <= SCALE_SLACK * self._force_scale(x) or not report.iterations:
+            if scale is None:
+                return total, x, scale
+            with stages("values"):
+                found = self._force_scale(x)
+            if scale <= SCALE_SLACK * found or not report.iterations:
                 return total, x, scale
 
     @property
@@ -520,9 +525,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def _force_scale(self, x: np.ndarray) -> float:
         """Internal forces at the unknowns x (n, f), but not less than what round-off lets a residual resolve."""
-        with self.context.stages("values"):
-            least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
-            return max(internal_norm(self.state.problem, x), least)
+        least = ROUND_OFF / self.solver.tolerance * self.state.system.b.norm()
+        return max(internal_norm(self.state.problem, x), least)
 
     # --- for comparison with a cold solve -----------------------------------------------------------------------------
 
