@@ -1,4 +1,4 @@
-"""Between the compiled stages of a level-1 frame Python makes no array as long as the unknowns, whatever their number."""
+"""Between the compiled stages of a level-1 frame Python makes no array as long as the unknowns."""
 
 import tracemalloc
 

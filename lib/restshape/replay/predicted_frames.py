@@ -59,7 +59,7 @@ class PredictedFrames:
     A prediction whose own estimate of its distance from the solution would be above `TRUSTED` is not shown: the frame
     is solved, and the next ones are predicted from it. The first one after a solved frame is estimated before it is
     shown, the others by the estimate of the one before, which grows with the square of the way of the hand. With
-    `MANY` unknowns a frame is estimated anew where the hand has gone `FARTHER` since the last estimate, or where
+    `MANY` unknowns a frame is estimated of itself where the hand has gone `FARTHER` since the last estimate, or where
     `solve.estimate` asks for it by a number or "every"; else its estimate is the last one that has grown so.
 
     Args:
@@ -105,7 +105,7 @@ class PredictedFrames:
         self._c = (0.0, 0.0)
         self._estimate: tuple[float, float] | None = None
         self._distances: tuple[dict[str, float], float] = ({}, 0.0)
-        self._sparse = self._fresh = False
+        self._extrapolated = False
         self._doubt = ""
         self._beside = ""
 
@@ -128,8 +128,9 @@ class PredictedFrames:
         if made is None or edit.gesture is not made.gesture or mesh_update.level > 1 or edit.do == "analyse":
             return False
         asked = needs_everything(edit.scene.solve.estimate, edit)
-        self._sparse = self.extrapolates and not asked and self.analysis.unknowns >= MANY
-        self._fresh = self._fresh and edit.change != "move"
+        many = self.extrapolates and not asked and self.analysis.unknowns >= MANY
+        # A frame that shows what is shown already has the estimate of that.
+        self._extrapolated = many and (edit.change == "move" or self._extrapolated)
         if edit.change == "move":
             before = self.predictor.values()
             self._set(made(edit.c))
@@ -142,11 +143,11 @@ class PredictedFrames:
 
     def estimated(self, estimate: float) -> None:
         """Take note of the estimated relative distance of the prediction that the analysis holds from the solution."""
-        self._estimate, self._fresh = (estimate, self.distance), True
+        self._estimate, self._extrapolated = (estimate, self.distance), False
 
     def known_estimate(self) -> float | None:
         """What is known of the estimate of the frame without the analysis; None: the analysis estimates it."""
-        if self._estimate is None or self._fresh or not self._sparse:
+        if self._estimate is None or not self._extrapolated:
             return None
         error, way = self._estimate
         return self._expected_error(error, way) if self.distance <= FARTHER * way else None

@@ -56,6 +56,7 @@ class SampledFrames(PredictedFrames):
     rebases = True
     """Samples of another mesh are made to agree with the answer on this one."""
     extrapolates = False
+
     def __init__(
         self,
         analysis: Analysis[Problem],
