@@ -50,6 +50,10 @@ class Shown:
             sys.exit(7)
         if do == "wait":
             time.sleep(event["seconds"])
+        if do == "many":
+            for _ in range(event["frames"]):
+                self.show(number)
+                time.sleep(0.02)
         if do == "refuse" or message.get("field") == "unknown":
             self.link.send({"type": "refused", "id": number, "message": "no", "place": "p", "todo": "t"})
             return

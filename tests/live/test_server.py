@@ -10,6 +10,7 @@ import aiohttp
 import pytest
 from live_client import Served, StandIn, run
 
+from restshape.live import server_session
 from restshape.live.server_address import listening
 from restshape.live.server_browser import DISPLAYS, open_browser
 from restshape.live.server_frames import KeptFrames
@@ -176,6 +177,22 @@ def test_one_that_takes_long_is_said_to_be_busy_and_is_cancelled(tmp_path):
         await page.until("refused", id=number)
         assert (await page.until("frame"))["number"] == 1
         await page.until("done", id=await page.do("drag"))
+
+    run(tmp_path, story)
+
+
+def test_an_event_of_many_quick_frames_is_said_to_be_busy_and_is_cancelled(tmp_path, monkeypatch):
+    monkeypatch.setattr(server_session, "PATIENCE", 0.1)
+
+    async def story(server: Served) -> None:
+        page = await server.page()
+        await page.until("done", id=await page.do("drag"))
+        number = await page.do("many", frames=3000)
+        busy = await page.until("busy", what="many", shows=True)
+        assert busy["seconds"] >= 0.1 and sum(one["id"] == number for one in page.frames) > 1
+        await page.say(type="cancel")
+        await page.until("refused", id=number)
+        assert (await page.until("frame", id=0))["number"] == 1
 
     run(tmp_path, story)
 

@@ -19,7 +19,7 @@ from restshape.live.server_work import WorkInProgress
 Table = dict[str, Any]
 
 PATIENCE = 0.5
-"""Seconds after which pages are said that a frame takes long, and between two such words."""
+"""Seconds after which pages are said that something takes long, and between two such words."""
 HASTE = 0.1
 """Seconds from the beginning of an event within which it is not cancelled: its frame may be on its way."""
 HEARTBEAT = 5.0
@@ -216,7 +216,7 @@ class LiveSession:
         """Ends the process, which is started again where it was before the frame; or starts one that has ended."""
         if self._link is None:
             self._restart.set()
-        elif message["type"] == "restart" or self._work.seconds_of_all() > HASTE:
+        elif message["type"] == "restart" or self._work.seconds() > HASTE:
             if not self._process.can_start:
                 # All ranks agree on it, after the frame in work.
                 self._pass_on(page, message, text)
@@ -231,7 +231,8 @@ class LiveSession:
             await asyncio.sleep(PATIENCE)
             seconds = self._work.seconds()
             if seconds >= PATIENCE:
-                self.pages.say({"type": "busy", "seconds": round(seconds, 1), "what": self._work.what})
+                said = {"seconds": round(seconds, 1), "what": self._work.what, "shows": self._work.has_shown}
+                self.pages.say({"type": "busy", **said})
 
     async def _beat(self) -> None:
         while True:

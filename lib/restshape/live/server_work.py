@@ -64,10 +64,11 @@ class WorkInProgress:
         """Whether something is not answered yet."""
         return self._starting or bool(self._sent)
 
-    def seconds(self) -> float:
-        """How long the process has been at it, without a frame."""
-        return time.monotonic() - self._since if self.busy else 0.0
+    @property
+    def has_shown(self) -> bool:
+        """Whether frames of what it does have come already."""
+        return self.busy and self._since > self._begun
 
-    def seconds_of_all(self) -> float:
+    def seconds(self) -> float:
         """How long the process has been at what it does, with all frames of it."""
         return time.monotonic() - self._begun if self.busy else 0.0

@@ -44,7 +44,7 @@ export type FromServer =
   | { type: "done"; id: number }
   | { type: "refused"; id: number; message: string; place: string; todo: string }
   | { type: "rates"; id: number; of: string; rates: Record<string, number[]>; units: Record<string, string> }
-  | { type: "busy"; seconds: number; what: string }
+  | { type: "busy"; seconds: number; what: string; shows?: boolean }     // shows: frames of it come meanwhile
   | { type: "player"; playing: boolean; frame: number; frames: number }
   | { type: "role"; role: "hand" | "looker" }
   | { type: "struck"; id: number; tone: MarkMessage }                     // a tone, which is heard
