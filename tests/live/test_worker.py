@@ -99,6 +99,27 @@ def test_a_session_that_ends_does_not_wait_for_the_frames_that_an_event_has_left
     session.end()
 
 
+def test_edits_of_a_gesture_have_a_number_that_no_earlier_one_has(scene, tmp_path):
+    session = LocalSession(scene, out := tmp_path / "session.jsonl")
+
+    def scale(gesture):
+        session.say("event", event={"do": "scale", "on": "window", "factor": 1.01}, gesture=gesture)
+
+    for gesture in (1_001, 1_001, 0, 1_002):
+        scale(gesture)
+    other = LocalSession(scene)
+    lines = out.read_text().partition("\n")[2]
+    other.say_all([json.dumps({"type": "resume", "lines": lines}, separators=(",", ":"))])
+    other.say("event", event={"do": "scale", "on": "window", "factor": 1.01}, gesture=7)
+    session.event("undo")
+    scale(1_003)
+    found = [json.loads(line).get("gesture") for line in out.read_text().splitlines()[1:]]
+    assert found == [1, 1, None, 2, None, 3] and json.loads(other.live.all_lines()[-1])["gesture"] == 3
+    assert [cut(row) for row in session.rows()] == replayed(scene, out)
+    session.end()
+    other.end()
+
+
 @pytest.mark.parametrize("at", ["header", "frame"])
 def test_a_recording_for_which_the_disk_has_no_room_ends_and_the_session_goes_on(scene, tmp_path, monkeypatch, at):
     session = LocalSession(scene, out := tmp_path / "session.jsonl", record=tmp_path / "session.vtkhdf")

@@ -190,9 +190,9 @@ class WrittenScript:
         return json.dumps(self._tables[-1], allow_nan=False)
 
     @property
-    def last_gesture(self) -> int:
-        """Number of the last gesture of several edits; 0: there is none."""
-        return next((event.gesture for event in reversed(self._reader.events) if event.gesture), 0)
+    def largest_gesture(self) -> int:
+        """The largest number of a gesture of several edits; 0: there is none."""
+        return max((event.gesture for event in self._reader.events if event.gesture), default=0)
 
     def annotate(self, note: str) -> None:
         """Puts a note for readers into the header."""

@@ -26,6 +26,6 @@ class Gestures:
             return message.event
         given, number = self._last
         if given != message.gesture:
-            number = self._live.sim.written.last_gesture + 1
+            number = self._live.sim.written.largest_gesture + 1
             self._last = message.gesture, number
         return message.event | {"gesture": number}
