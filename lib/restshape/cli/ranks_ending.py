@@ -44,7 +44,8 @@ def end_all_ranks(error: BaseException, command: str) -> None:
         traceback.print_exception(error)
         print(f"restshape {command}: rank {PETSc.COMM_WORLD.rank} has failed", file=sys.stderr, flush=True)
     codes = {UserError: REFUSED, KeyboardInterrupt: exit_code(), MemoryError: LIMIT_REACHED}
-    PETSc.COMM_WORLD.tompi4py().Abort(codes.get(type(error), 1))
+    # NumPy's error of too little memory is a kind of its own.
+    PETSc.COMM_WORLD.tompi4py().Abort(next((code for kind, code in codes.items() if isinstance(error, kind)), 1))
 
 
 def refused(message: str) -> None:
