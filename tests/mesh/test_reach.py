@@ -98,6 +98,18 @@ def test_bad_values_are_refused_with_place_and_remedy(tmp_path, value, words):
     assert all(word in str(refused.value) for word in words)
 
 
+@pytest.mark.parametrize(("relocation", "bulges"), [("laplacian", False), (None, True)])
+def test_a_reach_that_moves_all_nodes_says_so(caplog, relocation, bulges):
+    outline = plate()
+    mesh = MovingMesh(outline, MeshSpec(size=0.1, reach=0.1), relocation=relocation)
+    hand = Hand(outline, mesh.spec)
+    mesh.update(hand.frame("start", "start"))
+    gesture = gestures.bend(outline) if bulges else gestures.drag(outline, outline.entity("window"))
+    with caplog.at_level("INFO", logger="restshape.mesh"):
+        assert mesh.update(hand.frame("press", "none", gesture)).part is None
+    assert f"Reach 0.1 m: all nodes move, for {'an arc bends' if bulges else 'springs relax them'}" in caplog.text
+
+
 def test_auto_is_no_reach(tmp_path):
     assert load_scene(write_scene(tmp_path, SCENE), ["mesh.reach=auto"]).mesh.reach is None
     assert load_scene(write_scene(tmp_path, SCENE), ["mesh.reach=20 mm"]).mesh.reach == pytest.approx(0.02)

@@ -213,6 +213,8 @@ class MovingMesh:
             moved, reach = boundary.basis(self.mesh.outline, basis), self.reach
             if reach is not None:
                 known = replace(known, part=self._part_within(reach, moved))
+            elif self.spec.reach is not None:
+                log.info("Reach %g m: all nodes move, for springs relax them", self.spec.reach)
             if known.part is None:
                 Psi = motion(self.mesh, moved, self.relocation, boundary.nodes)
             else:
@@ -509,6 +511,8 @@ class MovingMesh:
         if frame.gesture.linear:
             self.Psi  # noqa: B018  made here, so that its time counts as the map's
         else:
+            if self.spec.reach is not None:
+                log.info("Reach %g m: all nodes move, for an arc bends", self.spec.reach)
             extend = extension(self.mesh, self._boundary.nodes, self.relocation)
             Psi = np.zeros((2, *self.mesh.X.shape))
             self.state = replace(self.state, map=replace(made(self.state.map), extend=extend, Psi=Psi))
