@@ -113,7 +113,8 @@ class Messages:
 def own_work(replay: Replay) -> dict[str, float]:
     """What this rank works on.
 
-    Returns: cells that touch its nodes, all_cells, its nodes; bytes of its part of matrix and preconditioner, and
+    Returns: cells that touch its nodes, observed ones whose stresses it recovers, all_cells, its nodes; bytes of its
+        part of matrix and preconditioner, and
         iteration, those that an iteration passes: 0 where an analysis keeps no linear system.
     """
     from petsc4py import PETSc
@@ -123,7 +124,10 @@ def own_work(replay: Replay) -> dict[str, float]:
     space, rank, size = replay.solver.space, replay.comm.rank, replay.comm.size
     first, last = space.node_offsets[rank : rank + 2]
     touched = ((space.cells >= first) & (space.cells < last)).any(axis=1)
-    counted = {"cells": int(touched.sum()), "all_cells": len(space.cells), "nodes": int(last - first)}
+    shared = getattr(getattr(replay.analysis, "problem", None), "shared", None)
+    observed = len(shared.part.space.chosen) if shared else len(space.cells)
+    counted = {"cells": int(touched.sum()), "observed": observed, "all_cells": len(space.cells)}
+    counted["nodes"] = int(last - first)
     solver = getattr(replay.analysis, "solver", None)
     if hasattr(solver, "pencil"):
         pencil = solver.pencil

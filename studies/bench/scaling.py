@@ -157,6 +157,7 @@ def entry(ranks: int, runs: Sequence[tuple[list[Row], Row]]) -> Row:
         "base_mb": [one["base_mb"] for one in found["ranks"]],
         "stored_mb": [1e-6 * (one["matrix"] + one["preconditioner"]) for one in found["ranks"]],
         "cells": [one["cells"] for one in found["ranks"]],
+        "observed": [one["observed"] for one in found["ranks"]],
         "all_cells": found["ranks"][0]["all_cells"],
         "iteration_bytes": max(one["iteration"] for one in found["ranks"]),
         "working_set": found["working_set"],

@@ -9,8 +9,9 @@ from typing import Any
 
 Row = dict[str, Any]
 LEVEL = "1"
-SHARED = ("values", "factor", "krylov")
-"""Stages whose work is shared among ranks; the others are whole on each of them (docs/parallel.md)."""
+SHARED, OBSERVED = ("values", "factor", "krylov"), ("observe", "estimate")
+"""Stages whose work is shared among ranks, and those that are so where ranks share what is observed; the others are
+whole on each of them (docs/parallel.md)."""
 DOUBLINGS = 6
 """Times that the largest number of ranks is doubled beyond what was run."""
 SCHWARZ = 0.25
@@ -33,6 +34,7 @@ class Load:
 
     Args:
         cells: that touch its nodes, of all.
+        observed: cells whose stresses it recovers.
         whole: cells of the whole mesh.
         iterations: of the solve.
         iteration_bytes: that it passes in each.
@@ -42,6 +44,7 @@ class Load:
     """
 
     cells: float
+    observed: float
     whole: float
     iterations: float
     iteration_bytes: float
@@ -72,6 +75,8 @@ def frame_ms(stages: Mapping[str, float], first: Load, load: Load) -> dict[str, 
     shares = dict.fromkeys(stages, load.whole / first.whole)
     for name in SHARED:
         shares[name] = load.cells / first.cells * slower
+    if load.observed < load.whole:
+        shares |= dict.fromkeys(OBSERVED, load.observed / first.observed * slower)
     if first.iterations * first.iteration_bytes > 0.0:
         bytes_moved = load.iterations * load.iteration_bytes
         shares["krylov"] = bytes_moved / (first.iterations * first.iteration_bytes) * slower
@@ -112,6 +117,7 @@ def _load(one: Row, machine: Row) -> Load:
     level, ranks = one["levels"][LEVEL], one["ranks"]
     return Load(
         cells=max(one["cells"]),
+        observed=max(one["observed"]),
         whole=one["all_cells"],
         iterations=level["iterations"],
         iteration_bytes=one["iteration_bytes"],
@@ -130,12 +136,14 @@ def _beyond(first: Load, last: Load, ranks: int, times: int, mode: str) -> Load:
     grown = last.iterations > GROWN * first.iterations
     growth = times**SCHWARZ if grown else 1.0
     share = 1.0 if mode == "weak" else 1.0 / times
-    even = last.whole / ranks
+    even, whole = last.whole / ranks, last.whole * (times if mode == "weak" else 1.0)
+    around = max(0.0, last.observed - even)
     # A part inside the shape has about four neighbours; one of two has one.
     neighbours = 4.0 if ranks < 4 else 1.0
     return Load(
         cells=even * share + max(0.0, last.cells - even) * sqrt(share),
-        whole=last.whole * (times if mode == "weak" else 1.0),
+        observed=even * share + around * sqrt(share) if last.observed < last.whole else whole,
+        whole=whole,
         iterations=last.iterations * growth,
         iteration_bytes=last.iteration_bytes * share,
         rate=last.rate,

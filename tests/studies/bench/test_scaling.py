@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -32,7 +33,7 @@ def small(tmp_path):
     return scene
 
 
-def ran(ranks, ms, iterations=4.0, bandwidth=10e9, cells=1000, whole=1000):
+def ran(ranks, ms, iterations=4.0, bandwidth=10e9, cells=1000, whole=1000, observed=0):
     """An entry of so many ranks whose frames are of level 1."""
     sent = {"reductions": 3.0 * iterations, "messages": 2.0 * iterations, "message_bytes": 8e3} if ranks > 1 else {}
     level = {"frames": 9, "ms": ms, "iterations": iterations, "refreshes": 0, "stages": dict(STAGES)}
@@ -42,6 +43,7 @@ def ran(ranks, ms, iterations=4.0, bandwidth=10e9, cells=1000, whole=1000):
         "elements": whole,
         "all_cells": whole,
         "cells": [cells] * ranks,
+        "observed": [observed or whole] * ranks,
         "iteration_bytes": 1e6 / ranks,
     }
     return one | {"bandwidth": bandwidth, "levels": {"1": level, "2": None, "3": None, "still": None}}
@@ -73,13 +75,14 @@ def test_times_are_of_the_slowest_rank():
 
 
 def test_the_model_shares_what_is_shared_and_adds_messages():
-    alone = Load(1000, 1000, 4.0, 1e6, 10e9, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    two = Load(510, 1000, 6.0, 0.5e6, 8e9, 18.0, 12.0, 1e6, 1e-6, 2e-6, 1e9)
+    alone = Load(1000, 1000, 1000, 4.0, 1e6, 10e9, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    two = Load(510, 1000, 1000, 6.0, 0.5e6, 8e9, 18.0, 12.0, 1e6, 1e-6, 2e-6, 1e9)
     modelled = frame_ms(STAGES, alone, two)
     assert modelled["values"] == pytest.approx(4.0 * 0.51 * 10 / 8)
     assert modelled["krylov"] == pytest.approx(8.0 * 0.75 * 10 / 8)
     assert modelled["observe"] == 2.0
     assert modelled["messages"] == pytest.approx(1e3 * (18e-6 + 24e-6 + 1e-3))
+    assert frame_ms(STAGES, alone, replace(two, observed=520))["observe"] == pytest.approx(2.0 * 0.52 * 10 / 8)
 
 
 def test_the_model_is_checked_on_what_was_run_and_its_error_is_reported():
@@ -96,6 +99,13 @@ def test_the_model_is_checked_on_what_was_run_and_its_error_is_reported():
     weak = model([ran(1, 14.0), ran(2, 16.0, bandwidth=20e9, cells=1000, whole=2000)], MACHINE, "weak")
     whole = [one["stages"]["observe"] for one in (*weak["checked"], *weak["beyond"])]
     assert whole[:3] == [4.0, 8.0, 16.0]
+
+
+def test_what_is_observed_is_shared_beyond_what_was_run_where_it_was_so():
+    found = model([ran(1, 14.0), ran(2, 9.0, bandwidth=20e9, cells=500, observed=520)], MACHINE, "strong")
+    parts = [one["stages"]["observe"] for one in (*found["checked"], *found["beyond"][:2])]
+    # 20 cells around the 500 of a rank: as the root of these.
+    assert parts == pytest.approx([2.0 * 0.52, 2.0 * (0.25 + 0.02 * 0.5**0.5), 2.0 * (0.125 + 0.02 * 0.5)])
 
 
 def test_iterations_grow_beyond_what_was_run_where_parts_have_made_them_grow():
