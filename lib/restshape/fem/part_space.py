@@ -10,7 +10,11 @@ from restshape.fem.entity_sets import cells_around
 from restshape.fem.space import Space
 
 LEAST_SHARED = 30_000
-"""Cells below which ranks observe and estimate whole: what they would save is less than a sum over ranks takes."""
+"""Cells below which ranks observe and estimate whole: they would save little, and wait for each other once more.
+
+Least milliseconds of observation, residual and estimate of `plate` on two ranks of a busy machine, whole beside shared:
+0.83 and 0.78 with 9,928 triangles, 1.36 and 1.32 with 20,102, 2.16 and 1.71 with 34,052, 9.8 and 8.2 with 80,083.
+"""
 
 
 def pays(comm: PETSc.Comm, space: Space) -> bool:
