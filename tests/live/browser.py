@@ -1,6 +1,7 @@
 """Pages of a real browser that show live sessions, and what they hear and say."""
 
 import json
+import re
 import signal
 import subprocess
 import time
@@ -197,6 +198,13 @@ class BrowserPage(Page):
         """Presses a button."""
         self.tab.get_by_role("button", name=name, exact=True).first.click()
         self.settle()
+
+
+def rest(page: BrowserPage, frames: int) -> None:
+    """Has nothing happen for so many frames, by the form of that event."""
+    page.tab.get_by_label("event", exact=True).select_option("idle")
+    page.tab.locator("form.event").get_by_label(re.compile("^frames")).fill(str(frames))
+    page.tab.locator("form.event button[type=submit]").click()
 
 
 def context_of(browser: "Browser", **settings: Any) -> "BrowserContext":

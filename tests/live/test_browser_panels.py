@@ -112,9 +112,9 @@ def test_a_slider_that_is_dragged_is_undone_at_once(bracket_session, opened):
     live.assert_replays(page.frames())
 
 
-def test_numbers_are_typed_and_stay_what_they_are_where_they_are_refused(bracket_session, opened):
+def test_numbers_are_typed_and_stay_what_they_are_where_they_are_refused(bracket_session, context):
     live = bracket_session()
-    page = opened(live)
+    page = BrowserPage(context, f"{live.address}?draw=card")
     page.tab.get_by_role("searchbox").fill("thickness")
     text = page.tab.get_by_label("material.steel.thickness", exact=True)
     slider = page.tab.get_by_label("material.steel.thickness, slider", exact=True)
@@ -220,14 +220,20 @@ def png(page):
     return np.asarray(Image.open(download.value.path()).convert("RGB"))
 
 
-def test_the_picture_is_that_of_a_report(bracket_session, opened, context, tmp_path):
-    """The same extremes in words, and the same colours at ten places; with a graphics card as without."""
+@pytest.mark.weekly
+def test_a_graphics_card_draws_what_is_drawn_without_one(bracket_session, opened, context):
     live = bracket_session()
-    page = opened(live)
-    by_card = BrowserPage(context, f"{live.address}?draw=card")
+    page, by_card = opened(live), BrowserPage(context, f"{live.address}?draw=card")
     apart = np.abs(png(page).astype(int) - png(by_card)).max(axis=2)
     assert apart.size > 100_000 and (apart > 16).mean() < 1e-3 and (apart > 2).mean() < 0.03
-    by_card.tab.close()
+    live.end()
+
+
+@pytest.mark.parametrize("means", ["processor", pytest.param("card", marks=pytest.mark.weekly)])
+def test_the_picture_is_that_of_a_report(bracket_session, context, tmp_path, means):
+    """The same extremes in words, and the same colours at ten places."""
+    live = bracket_session()
+    page = BrowserPage(context, f"{live.address}?draw={means}")
     for name in ("edges of the mesh", "outline before deformation", "what can be held", "marks"):
         page.tab.get_by_label(name, exact=True).uncheck()
     page.tab.get_by_role("button", name="1 : 1").click()

@@ -5,6 +5,7 @@ import signal
 from contextlib import contextmanager, suppress
 
 import pytest
+from browser import rest
 
 from restshape.live.link import ENDED_BY_HAND
 from restshape.replay.recording import Recording
@@ -45,17 +46,49 @@ def chosen(page, role, name):
     page.until(lambda: name in page.tab.locator("#tools .selection").inner_text(), "what is selected")
 
 
+def drill(page, x, y):
+    """Makes a hole with its middle there."""
+    page.tab.get_by_role("button", name="Hole", exact=True).click()
+    page.tab.mouse.move(x, y)
+    page.tab.mouse.down()
+    page.tab.mouse.move(x + 12, y, steps=3)
+    page.tab.mouse.up()
+    page.until(lambda: page.events() and page.events()[-1]["event"]["do"] == "hole", "a hole")
+    page.settle()
+
+
+def test_a_tool_a_handle_cancel_and_a_short_sleep(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    (x, y), (right, _) = page.place([ROUND], "window"), page.place(["edge"], "tip")
+    drill(page, (x + right) / 2, y)
+    page.tab.get_by_role("button", name="Hold", exact=True).click()
+    page.drag((x, y), (9.0, 6.0), steps=1, release=False)
+    with stopped(live.simulating()):
+        page.tab.wait_for_timeout(300)
+    page.tab.mouse.move(x + 11, y + 6)
+    page.until(lambda: len(live.script()) == 4, "an answer after the sleep")
+    page.release()
+    assert {one["event"]["do"] for one in grip(page, "rotate", (20.0, 12.0))} == {"rotate"}
+    # An event of many quick frames is cancelled.
+    number, script = page.frame["number"], live.script()
+    rest(page, 50_000)
+    page.tab.get_by_role("button", name="Cancel").click()
+    page.until(lambda: page.frame["number"] == number, "the state before")
+    page.press("Undo")
+    live.end()
+    assert live.script()[:-1] == script and live.script()[-1]["do"] == "undo"
+    assert [event["do"] for event in script[:5]] == ["hole", "press", "drag", "drag", "release"]
+    assert page.refusals() == [ENDED_BY_HAND] and not page.faults
+    live.assert_replays({key: row for key, row in page.frames().items() if key <= number + 1})
+
+
+@pytest.mark.weekly
 def test_tools_and_handles_by_the_mouse_and_frames_that_hang(bracket_session, opened, tmp_path):
     live = bracket_session("--record", str(recorded := tmp_path / "recorded.vtkhdf"))
     page = opened(live)
     (x, y), (right, _) = page.place([ROUND], "window"), page.place(["edge"], "tip")
-    page.tab.get_by_role("button", name="Hole", exact=True).click()
-    page.tab.mouse.move((x + right) / 2, y)
-    page.tab.mouse.down()
-    page.tab.mouse.move((x + right) / 2 + 12, y, steps=3)
-    page.tab.mouse.up()
-    page.until(lambda: page.events() and page.events()[-1]["event"]["do"] == "hole", "a hole")
-    page.settle()
+    drill(page, (x + right) / 2, y)
     page.tab.get_by_role("button", name="Arc", exact=True).click()
     page.tab.mouse.move(*page.place(["edge"], "tip"))
     page.tab.mouse.down()
@@ -109,7 +142,8 @@ def slept(page, live, seconds, who):
         page.tab.wait_for_timeout(1000 * seconds)
 
 
-@pytest.mark.parametrize("seconds", [0.3, pytest.param(65.0, marks=pytest.mark.weekly)])
+@pytest.mark.weekly
+@pytest.mark.parametrize("seconds", [0.3, 65.0])
 def test_a_machine_that_sleeps_in_the_drag_goes_on(bracket_session, opened, seconds):
     live = bracket_session()
     page = opened(live)
