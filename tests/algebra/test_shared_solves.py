@@ -31,3 +31,8 @@ def test_a_shared_factor_in_blocks_of_nodes_solves_and_counts(found, case, most)
 def test_as_a_preconditioner_it_takes_up_other_patterns_and_ends_where_there_is_no_factor(found):
     first, other, none = found["taken"]
     assert 0 < first <= 2 and 0 < other <= 2 and none == -1
+
+
+def test_a_matrix_is_definite_if_all_of_it_is_and_not_where_the_ranks_own_rows_are(found):
+    """By the solver, and by the pivots of own rows, which show nothing here."""
+    assert found["believed"] == {"definite": [True, True], "indefinite": [False, True]}

@@ -1,6 +1,7 @@
 """What stays of a linear system, condensed onto its border: a Schur complement, and what follows the border."""
 
 from collections.abc import Callable
+from weakref import finalize
 
 import numpy as np
 import scipy.sparse as sp
@@ -150,6 +151,11 @@ class Condensation:
         return pull + made(self._solver).product(self._extensions[k]) if self._extensions[k].any() else pull
 
 
+def _free(pc: PETSc.PC, matrix: PETSc.Mat) -> None:
+    pc.destroy()
+    matrix.destroy()
+
+
 class NodeFactor:
     """A complete Cholesky factor in blocks of a node, which substitutes by panels of single precision.
 
@@ -168,6 +174,8 @@ class NodeFactor:
         self._pc.setOperators(self._matrix)
         self._pc.setUp()
         _kernels.solve_by_panels(self._pc.getFactorMatrix().handle, True)
+        # A press makes one, and petsc4py only collects what is let go of.
+        finalize(self, _free, self._pc, self._matrix).atexit = False
 
     def __call__(self, force: Reals) -> Reals:
         """About the solution (n,) of a right side (n,)."""

@@ -298,7 +298,8 @@ class LinearSolver:
     def definite(self, mat: PETSc.Mat, places: Reals | None, new_system: bool = False) -> bool:
         """Whether a matrix is positive definite, by a new factor of it, which ends at a pivot that is zero.
 
-        True where the preconditioner is no complete factor, which could show it. Arguments as in `solve`.
+        True where the preconditioner is no complete factor, which could show it. Pivots of the ranks' own rows prove
+        nothing of symmetric matrices if they are positive: a factor that ranks share does. Arguments as in `solve`.
         """
         self._begin(mat, new_system, False, False)
         if not self.kept.complete:
@@ -308,7 +309,8 @@ class LinearSolver:
         self._factor(mat, places, "a test of positive definiteness")
         if self.on_solved:
             self.on_solved(None)
-        return self.kept.zero_pivots() == 0 and self.kept.negative_pivots() == 0
+        with self.stages("factor"):
+            return self.kept.shows_definite(mat)
 
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""

@@ -186,3 +186,15 @@ class SharedFactor:
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Forward and backward substitution."""
         x.getArray()[:] = self.solve_rows(b.getArray(readonly=True)[None])[0]
+
+
+def definite_on_ranks(mat: PETSc.Mat) -> bool:
+    """Whether a symmetric matrix whose rows ranks share is positive definite; True where its factor is too large."""
+    factor = SharedFactor()
+    try:
+        return factor.make(mat, mat, 0.0) == 0
+    except ReplayProblem as problem:
+        log.info("Stability is that of the ranks' own rows: %s", problem)
+        return str(problem) != NO_FACTOR
+    finally:
+        factor.forget()

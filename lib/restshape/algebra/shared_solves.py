@@ -1,9 +1,13 @@
 """Solves with a complete factor of a definite matrix whose rows ranks share, as a preconditioner of PETSc's."""
 
+import logging
+
 from petsc4py import PETSc
 
 from restshape.algebra.shared_factor import SharedFactor
 from restshape.errors import ReplayProblem
+
+log = logging.getLogger("restshape.algebra")
 
 
 class SharedSolves:
@@ -27,7 +31,8 @@ class SharedSolves:
             self._pattern = matrix
         try:
             self._factor.make(matrix, matrix, 0.0)
-        except ReplayProblem:
+        except ReplayProblem as problem:
+            log.warning("%s", problem)
             self._factor.forget()
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:

@@ -6,7 +6,7 @@ from contextlib import contextmanager, nullcontext
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.shared_factor import SharedFactor
+from restshape.algebra.shared_factor import NO_FACTOR, SharedFactor
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 
@@ -46,7 +46,10 @@ class SaddleEscape:
             return self.solver.linear.definite(matrix, self.solver.places, False)
         try:
             return factor.make(matrix, matrix, 0.0) == 0
-        except ReplayProblem:
+        except ReplayProblem as problem:
+            if str(problem) != NO_FACTOR:
+                # One that is too large shows nothing.
+                raise
             return False
 
     def escape(self, x: np.ndarray) -> bool:
