@@ -22,7 +22,9 @@ from small_scenes import (
 )
 
 from restshape.algebra import condensation
+from restshape.analysis import border_quantities
 from restshape.errors import ReplayProblem
+from restshape.fem.derivative import Derivative, Differentiable
 from restshape.replay.parity import Parity
 
 TIGHT = "[solve]\ntolerance = 1e-12\n"
@@ -197,6 +199,48 @@ def test_new_values_in_a_drag_condense_again(tmp_path):
     for _ in made.frames():
         check()
     assert check.summary()["holds"]
+
+
+def test_the_matrix_of_the_whole_is_itself_again_where_nothing_could_be_condensed(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise ReplayProblem("no factor")
+
+    monkeypatch.setattr("restshape.analysis.substructure.Condensation", refuse)
+    made = replay(tmp_path, PLATE + meshed(0.12) + "reach = 0.12\n" + TIGHT, WINDOW)
+    levels = set()
+    for row in made.frames():
+        assert made.analysis.residual_norm() < 1e-12 and not alone(made)
+        levels.add(row["level"])
+    assert levels >= {0, 1}
+
+
+def test_factors_of_parts_are_freed_with_their_owner():
+    factor = condensation.NodeFactor(sp.identity(4, format="csr"), 2)
+    assert factor(np.ones(4)) == pytest.approx(np.ones(4))
+    held = factor._matrix, factor._pc
+    del factor
+    assert not any(held)
+
+
+def test_a_quantity_with_no_slope_at_nothing_is_not_taken_for_a_linear_one():
+    class Still:
+        problem = None
+
+        def stays(self):
+            return np.ones(3, dtype=bool)
+
+        def at_border(self):
+            return np.zeros(2)
+
+        def seen_from_border(self, load):
+            return load[:2, 0]
+
+    def quantity(derivative):
+        return Differentiable(lambda x: 0.0, lambda x: Derivative(derivative(x)), lambda: np.arange(3))
+
+    functions = {"sum": quantity(np.ones_like), "square": quantity(lambda x: 2.0 * x)}
+    known = border_quantities.BorderQuantities(Still(), lambda: np.zeros((3, 1)), functions)
+    assert set(known.values) == {"sum"}
 
 
 def test_rest_without_support_has_no_factor():

@@ -33,6 +33,7 @@ class PartSolves:
     Attributes:
         solved: the state that the last solve of a part has given.
         found: the substructure; None: there is none.
+        overwritten: the operator of the whole has had its values overwritten; set back by who has taken that in.
     """
 
     def __init__(self, context: Context, make_solver: Callable[[], LinearSolver]) -> None:
@@ -41,6 +42,7 @@ class PartSolves:
         self._solver: LinearSolver | None = None
         self._key: tuple[MovingPart | None, SteadyProblem | None] = (None, None)
         self.found: Substructure | None = None
+        self.overwritten = False
 
     def of(self, part: MovingPart | None, problem: SteadyProblem, whole: Operator) -> Substructure | None:
         """What solves for a part that alone has moved; None where the whole is to be solved for.
@@ -77,7 +79,7 @@ class PartSolves:
             log.info("Reach: the whole is solved for: %s", why)
             return None
         policy, self._solver = self.context.policy, self._solver or self._make_solver()
-        cells = problem.space.follow(part.cells)
+        cells, self.overwritten = problem.space.follow(part.cells), True
         try:
             with self.context.stages("factor"):
                 found = Substructure(

@@ -443,11 +443,11 @@ class SteadyAnalysis(Timeless, Generic[P]):
         """What solves for the part that alone has moved; None where the whole is to be solved for."""
         if frame.part is None or self.solver.on_solve is not None:
             return None
-        known, system = self.parts.found, self.state.system
+        system = self.state.system
         found = self.parts.of(frame.part, self.state.problem, system.operator)
-        if found is not None and found is not known:
-            # Its values were those of the cells that stay.
-            system.late = self._assemble_late
+        if self.parts.overwritten:
+            # Its values are those of the cells that stay.
+            system.late, self.parts.overwritten = self._assemble_late, False
         return found
 
     def _solve_part(self, frame: Frame, part: Substructure) -> LinearReport:
