@@ -36,6 +36,17 @@ class Furniture:
         @property
         def size(self) -> int: ...
 
+    class ManySprings:
+        def __init__(
+            self, furniture: Furniture, compliances: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
+        ) -> None: ...
+        def forget(self) -> None: ...
+        def test(
+            self,
+            gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
+            ending: typing.SupportsInt | typing.SupportsIndex = 0,
+        ) -> tuple: ...
+
     APART: typing.ClassVar[int] = 32
     DOUBTFUL: typing.ClassVar[int] = 64
     LOST: typing.ClassVar[int] = 1

@@ -9,6 +9,7 @@
 #include "derivative.hpp"
 #include "furniture.hpp"
 #include "joint_utilisation.hpp"
+#include "many_springs.hpp"
 #include "mixed.hpp"
 #include "overlap.hpp"
 
@@ -199,6 +200,34 @@ py::tuple stability_rows(Furniture& f, const Doubles& directions, int c) {
     return py::make_tuple(array(values), array(rows));
 }
 
+std::unique_ptr<ManySprings> many_springs(const Furniture& f, const Doubles& compliances) {
+    require(compliances.ndim() == 2 && compliances.shape(1) == 3, "compliances must be (m, 3)");
+    std::vector<Springs> springs;
+    for (py::ssize_t k = 0; k < compliances.shape(0); ++k) {
+        const double* one = compliances.data() + 3 * k;
+        springs.push_back({one[0], one[1], one[2]});
+    }
+    return std::make_unique<ManySprings>(f.piece(), std::move(springs));
+}
+
+py::tuple tested(ManySprings& m, const std::optional<Doubles>& gamma, int ending) {
+    require(!gamma || gamma->size() == m.parameters(), "gamma must have 8 numbers a plank");
+    const ManySprings::Found found = m.test(gamma ? gamma->data() : nullptr, ending);
+    py::array_t<double> utilisations({static_cast<py::ssize_t>(found.flaws.size()), py::ssize_t{m.joints()}});
+    for (size_t k = 0; k < found.flaws.size(); ++k)
+        std::copy(found.utilisations[k].begin(), found.utilisations[k].end(), utilisations.mutable_data(k, 0));
+    return py::make_tuple(found.flaws, utilisations);
+}
+
+void bind_many_springs(py::class_<Furniture>& c) {
+    py::class_<ManySprings>(c, "ManySprings")
+        .def(py::init(&many_springs), "furniture"_a, "compliances"_a)
+        .def("forget", &ManySprings::forget, "Starts the next test from rest.")
+        .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
+             "Flaws (bits), and the largest utilisation (m, j) of each joint over all cases, with each of the springs: "
+             "up to the first with a flaw of `ending`.");
+}
+
 void bind_mixed(py::class_<Furniture>& c) {
     py::class_<Mixed>(c, "Mixed")
         .def(py::init([](Furniture& f) { return std::make_unique<Mixed>(f.state()); }), py::keep_alive<1, 2>())
@@ -276,4 +305,5 @@ PYBIND11_MODULE(_kernels, m) {
     c.attr("WEAK") = int(weak), c.attr("UNBALANCED") = int(unbalanced), c.attr("APART") = int(apart);
     c.attr("DOUBTFUL") = int(doubtful);
     bind_mixed(c);
+    bind_many_springs(c);
 }

@@ -29,31 +29,45 @@ void Furniture::set_shape(const double* gamma) {
 
 DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     DesignCheck check;
+    if (hold(gamma, wanted, quick, check) && (wanted & (weak | unbalanced))) bear(check);
+    return check;
+}
+
+bool Furniture::hold(const double* gamma, int wanted, bool quick, DesignCheck& check) {
     if (parts() > 1) check.flaws |= apart;
     Shaper<double>(P, gamma, shape_);
     check.faults = shape_.faults;
     if (!shape_.faults.empty()) check.flaws |= lost;
     // A shape that cannot be closed has no numbers to go on with.
-    if (shape_.invalid()) return invalid(check);
-    if (quick && (check.flaws & wanted)) return check;
+    if (shape_.invalid()) {
+        check = invalid(std::move(check));
+        return false;
+    }
+    if (quick && (check.flaws & wanted)) return false;
     if (wanted & overlapping) check.overlaps = overlaps(P, shape_, quick);
     if (!check.overlaps.empty()) check.flaws |= overlapping;
-    if (quick && (check.flaws & wanted)) return check;
+    if (quick && (check.flaws & wanted)) return false;
     stand(check);
-    if (!(wanted & (weak | unbalanced)) || (quick && (check.flaws & wanted))) return check;
+    return !(quick && (check.flaws & wanted));
+}
+
+void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations) {
     equilibrium_->find_free(shape_);
     std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, Load::pull}), doubts = most;
     for (size_t c = 0; c < P.cases.size(); ++c) {
         equilibrate(static_cast<int>(c));
         if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
-        add_utilisation(static_cast<int>(c), check, most, doubts);
+        add_utilisation(static_cast<int>(c), check, most, doubts, utilisations);
     }
     for (const Overloaded& one : most)
         if (one.joint >= 0) check.overloaded.push_back(one);
     for (const Overloaded& one : doubts)
         if (one.joint >= 0) check.doubts.push_back(one), check.flaws |= doubtful;
     if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
-    return check;
+}
+
+void Furniture::set_compliance(double joint_t, double joint_r, double floor) {
+    P.settings.eps_t = joint_t, P.settings.eps_r = joint_r, P.settings.eps_floor = floor;
 }
 
 int Furniture::bisect(const double* direction, double& good, double& bad, double tolerance, int wanted) {
@@ -169,7 +183,7 @@ bool Furniture::wild(const CaseState& state) const {
 }
 
 void Furniture::add_utilisation(int load_case, DesignCheck& check, std::vector<Overloaded>& most,
-                                std::vector<Overloaded>& doubts) {
+                                std::vector<Overloaded>& doubts, std::vector<double>* utilisations) {
     const std::vector<double> d = openings(load_case);
     const auto add = [&](std::vector<Overloaded>& all, size_t k, double utilisation, Load by) {
         // A case that only repeats an earlier one, up to rounding, is not what breaks the joint.
@@ -184,6 +198,9 @@ void Furniture::add_utilisation(int load_case, DesignCheck& check, std::vector<O
         add(most, k, std::max(utilisation.pull, utilisation.shear),
             utilisation.shear > utilisation.pull ? Load::shear : Load::pull);
         const double moment = std::max(utilisation.line, utilisation.twist);
+        const double counted = std::max(utilisation.pull, utilisation.shear);
+        if (utilisations)
+            (*utilisations)[k] = std::max((*utilisations)[k], P.settings.moments ? std::max(counted, moment) : counted);
         const Load by = utilisation.twist > utilisation.line ? Load::twist : Load::line;
         if (P.settings.moments) {
             check.pull = std::max(check.pull, utilisation.line), check.shear = std::max(check.shear, utilisation.twist);

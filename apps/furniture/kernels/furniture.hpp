@@ -55,6 +55,18 @@ class Furniture {
     // Tests at design parameters; with `quick` it ends at the first flaw among those `wanted`.
     DesignCheck test(const double* gamma, int wanted, bool quick);
 
+    // The first half of a test, which springs have no part in: joints, overlaps, support. Whether it goes on.
+    bool hold(const double* gamma, int wanted, bool quick, DesignCheck& check);
+
+    // The second half: equilibria, and what joints bear; where asked for, the largest utilisation of each.
+    void bear(DesignCheck& check, std::vector<double>* utilisations = nullptr);
+
+    // Gives the springs other compliances [m/N], [rad/(N m)], [m/N], for equilibria from now on.
+    void set_compliance(double joint_t, double joint_r, double floor);
+
+    // Takes the states of all cases from elsewhere, which gets the present ones.
+    void swap_states(std::vector<CaseState>& states) { states_.swap(states); }
+
     // Narrows a bracket of a parameter t along a direction (8 a plank), of whose ends one is free of what is wanted
     // away, until it is within a tolerance; gives the number of tests.
     int bisect(const double* direction, double& good, double& bad, double tolerance, int wanted);
@@ -100,7 +112,7 @@ class Furniture {
     bool wild(const CaseState& state) const;
 
     void add_utilisation(int load_case, DesignCheck& check, std::vector<Overloaded>& most,
-                         std::vector<Overloaded>& doubts);
+                         std::vector<Overloaded>& doubts, std::vector<double>* utilisations);
 
     double unbalanced_load(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
 };

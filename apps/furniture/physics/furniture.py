@@ -1,6 +1,5 @@
 """Furniture: the compiled model of a piece, its tests, and what they found."""
 
-from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -207,7 +206,7 @@ class Furniture:
         self.strength = np.array([self._strength(joint) for joint in piece.joints]).reshape(-1, 2)
         self.lever = np.array([planks[joint.i].size[2] for joint in piece.joints])
         self.cases = self._cases(len(loads))
-        self._parts = (
+        parts = (
             np.array([plank.centre for plank in planks], dtype=float),
             np.array([plank.axes for plank in planks], dtype=float),
             np.array([plank.size for plank in planks], dtype=float),
@@ -221,19 +220,9 @@ class Furniture:
             self.cases,
             np.array(piece.gravity, dtype=float),
         )
-        self.kernel = self._compiled()
+        settings = [*vars(self.compliance).values(), float(piece.moments)]
+        self.kernel = _kernels.Furniture(*parts, np.array(settings))
         self.count = n
-
-    def with_compliance(self, compliance: Compliance) -> "Furniture":
-        """The model of the same piece with other springs, not tested yet."""
-        found = copy(self)
-        found.compliance = compliance
-        found.kernel = found._compiled()
-        return found
-
-    def _compiled(self) -> _kernels.Furniture:
-        settings = [*vars(self.compliance).values(), float(self.piece.moments)]
-        return _kernels.Furniture(*self._parts, np.array(settings))
 
     def _strength(self, joint: Joint) -> tuple[float, float]:
         into, through = self.piece.planks[joint.i], self.piece.planks[joint.j]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, WEAK, Compliance, Furniture
 from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION, joint_planks
@@ -74,20 +75,22 @@ def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | N
 
     Source: docs/theory/furniture.md, "What compliance decides".
     """
-    utilisations, bears, falls = [], [], False
-    model = Furniture(piece, nominal)
-    for one in compliances(piece, nominal):
-        furniture = model.with_compliance(one)
-        flaws = furniture.test().flaws
-        if flaws & (ALL ^ WEAK ^ UNSTABLE):
-            return None
-        falls |= bool(flaws & UNSTABLE)
-        forces = [furniture.forces(case) for case in range(len(furniture.cases))]
-        utilisations.append(np.max([found.utilisation for found in forces], axis=0))
-        bears.append(not flaws & WEAK)
-    return UtilisationRange(
-        np.min(utilisations, axis=0), np.max(utilisations, axis=0), any(bears) and not all(bears) and not falls
+    flaws, utilisations = _springs(Furniture(piece, nominal), compliances(piece, nominal)).test(
+        ending=ALL ^ WEAK ^ UNSTABLE
     )
+    if flaws[-1] & (ALL ^ WEAK ^ UNSTABLE):
+        return None
+    bears = [not one & WEAK for one in flaws]
+    falls = any(one & UNSTABLE for one in flaws)
+    return UtilisationRange(
+        utilisations.min(axis=0), utilisations.max(axis=0), any(bears) and not all(bears) and not falls
+    )
+
+
+def _springs(furniture: Furniture, tried: Sequence[Compliance]) -> _kernels.Furniture.ManySprings:
+    """The tests of a model with each of some compliances, whose other settings are those of the model."""
+    numbers = np.array([(one.joint_t, one.joint_r, one.floor) for one in tried])
+    return _kernels.Furniture.ManySprings(furniture.kernel, numbers)
 
 
 class ComplianceModels:
@@ -98,26 +101,20 @@ class ComplianceModels:
     """
 
     def __init__(self, furniture: Furniture) -> None:
-        tried = compliances(furniture.piece, Compliance())
-        self._models = [furniture.with_compliance(one) for one in tried]
+        self._springs = _springs(furniture, compliances(furniture.piece, Compliance()))
 
     def forget(self) -> None:
         """Find the next equilibria from nothing, so that what was asked before changes nothing."""
-        for model in self._models:
-            model.kernel.forget()
+        self._springs.forget()
 
     def may_decide(self, gamma: np.ndarray) -> bool:
         """Whether the piece bears its loads at design parameters (n, 8) with some compliances alone.
 
         Each equilibrium is found from the last one. `utilisation_range` says whether redundant joints are the reason.
         """
-        bears = []
-        for model in self._models:
-            flaws = model.test(gamma).flaws
-            if flaws & (ALL ^ WEAK):
-                return False
-            bears.append(not flaws & WEAK)
-        return any(bears) and not all(bears)
+        flaws, _ = self._springs.test(gamma, ALL ^ WEAK)
+        bears = [not one & WEAK for one in flaws]
+        return not flaws[-1] & (ALL ^ WEAK) and any(bears) and not all(bears)
 
 
 def recorded_utilisations(piece: Piece, known: UtilisationRange, most: int) -> list[list[object]]:
