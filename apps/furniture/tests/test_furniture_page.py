@@ -40,7 +40,7 @@ def test_the_page_names_every_key_of_a_scene():
 
 def test_the_page_names_every_event_and_its_keys():
     for name, event in PLANK_EVENTS.items():
-        keys = {field.alias or key for key, field in event.model_fields.items()} - {"t", "do", "line"}
+        keys = {field.alias or key for key, field in event.model_fields.items()} - {"t", "do", "line", "gesture"}
         assert name in NAMED, name
         # Those that mean the same everywhere stand in the script's schema.
         missing = keys - NAMED - {"key", "value"}
