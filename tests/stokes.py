@@ -7,6 +7,7 @@ from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
 from restshape.fem.integral import Integral
 from restshape.fem.mixed import MixedSpace
+from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, STIFFNESS, SteadyProblem, Unknown
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.scene.expressions import Expression
@@ -46,7 +47,7 @@ class Stokes(SteadyProblem):
         return [Integral(self.element, self.space.X, self.space.cells, parameters, dofs=self.space.dofs)]
 
     def observer(self, quantities):
-        return lambda x: {"drop": float(np.ptp(self.space.values("pressure", x)))}
+        return Observer({"drop": lambda x: float(np.ptp(self.space.values("pressure", x)))})
 
     def fields(self, x):
         pressure = np.full(len(self.space.X), np.nan)

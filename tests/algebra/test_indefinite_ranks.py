@@ -25,9 +25,9 @@ def found(tmp_path_factory, outside):
 def test_a_block_without_a_factor_does_no_harm(found, method):
     first, near = (found[method]["saddle"][name] for name in ("first", "near"))
     assert first["made"] and first["residual"] < 1e-8 and first["iterations"] <= 2
-    # An old factor serves, but where each matrix has its own.
-    assert near["residual"] < 1e-8 and near["made"] == (method == "direct")
-    assert near["iterations"] <= 2 if near["made"] else 2 <= near["iterations"] <= 8
+    # An old factor serves, but where each matrix has its own; whether a new one follows is a question of price.
+    assert near["residual"] < 1e-8
+    assert near["made"] and near["iterations"] <= 2 if method == "direct" else 2 <= near["iterations"] <= 8
 
 
 @pytest.mark.mpi

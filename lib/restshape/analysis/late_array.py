@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import cast
 
 import numpy as np
 
@@ -33,5 +33,5 @@ def _none() -> np.ndarray:
     return np.zeros((0, 2))
 
 
-LATE: Any = LateArray()
+LATE = cast(np.ndarray, LateArray())
 """The value that a dataclass gives such an attribute, which it declares as an array."""

@@ -3,6 +3,7 @@
 # More than 15 modules: here problem, operator, solver, guesses and estimates of a frame meet, a module each.
 import logging
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Generic, TypeVar, cast
 
 import numpy as np
@@ -12,6 +13,7 @@ from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_ve
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator
+from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
 from restshape.analysis.beside import solution_beside
 from restshape.analysis.comparison import compared
@@ -136,7 +138,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         self.state: SteadyState[P] = SteadyState(plan, scene)
         self.guess = Guess(context.policy.extrapolate, context.policy.warm)
         self.solver = self._make_solver(scene)
-        self.parts = PartSolves(context, lambda: self._make_solver(scene))
+        self.parts = PartSolves(context, partial(weak_call(self._make_solver), scene))
         self.estimated_quantity = f"{make.unknowns[0].name} in the energy norm"
         self._observed: tuple[SteadyState[P] | None, dict[str, float]] = (None, {})
         self._estimate: tuple[P | None, RecoveryEstimate | None] = (None, None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
@@ -62,6 +61,8 @@ def moving_part(
     """
     moves = np.zeros(len(mesh.X), dtype=bool)
     if len(moved):
+        from scipy.spatial import cKDTree
+
         near, _ = cKDTree(mesh.X[moved]).query(mesh.X, distance_upper_bound=reach)
         moves = near < reach
         moves[boundary] = False

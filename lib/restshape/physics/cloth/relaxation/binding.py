@@ -29,6 +29,7 @@ from restshape.physics.cloth.relaxation.keep_apart import kept_apart
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.relaxation.taken_along import taken_along
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, kernel_body, set_contact, set_values
 from restshape.physics.cloth.seam_lines import SeamPair
 from restshape.physics.cloth.tunnelling import deepened, penetrations
@@ -59,7 +60,7 @@ def bind(
     cold = before.problem is None or not options.context.policy.warm or before.report.falls
     # Nothing passes, so that another order of layers needs another beginning.
     cold = cold or is_another_order(before.problem.order, arguments.order)
-    state = _placed(before, frame, new_mesh, options, cold)
+    state = _placed(before, frame, new_mesh, options, arguments, cold)
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     if cold:
@@ -70,7 +71,12 @@ def bind(
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
-    if not (cold or origin or before.guessed) and options.strategy == "auto":
+    usual = not (cold or origin or before.guessed) and options.strategy == "auto"
+    if usual and before.problem is problem and not before.interrupted:
+        taken = taken_along(state, before, scene)
+        if taken is not None:
+            return replace(taken, observer=problem.observer(scene.quantities)), False
+    if usual:
         start = in_material(before, problem) if before.problem is problem else known
         problem.begin_frame(start)
     resized = any(is_remade(old, new) for old, new in zip(before.bodies, state.bodies))
@@ -100,10 +106,14 @@ def _touches_itself(before: RelaxationState) -> bool:
 
 
 def _placed(
-    before: RelaxationState, frame: Frame, new_mesh: bool, options: RelaxationOptions, cold: bool
+    before: RelaxationState,
+    frame: Frame,
+    new_mesh: bool,
+    options: RelaxationOptions,
+    arguments: ClothArguments,
+    cold: bool,
 ) -> RelaxationState:
     """The state with problem and solver of a frame, where the last equilibrium is, or anywhere of a cold start."""
-    arguments = options.arguments(frame.mesh)
     if new_mesh or not same_elements(before.problem, arguments):
         corners = None
         if not cold:

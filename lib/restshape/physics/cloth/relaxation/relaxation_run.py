@@ -63,7 +63,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     softness = min(kept, report.softness)
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
     gaps = gaps_at(problem.seams, problem.corners(x), options.scene) if report.converged else {}
-    found = replace(found, energy=problem.energy(x), gaps=gaps)
+    found = replace(found, energy=problem.energy(x), gaps=gaps, taken=False)
     return replace(found, expected=None, friction=friction_of(problem), layers=layers_of(problem))
 
 
@@ -145,6 +145,9 @@ def _outcome(report: ConvergenceReport) -> str:
 
 def _stabilise(state: RelaxationState, x: np.ndarray, options: RelaxationOptions, report: ConvergenceReport) -> None:
     """Leave saddles of the energy from x (n, 3), which is changed, until the equilibrium is stable."""
+    if state.taken and not report.steps:
+        report.stable = True
+        return
     solver, most, strategy = state.solver, options.settings.steps, options.strategy
     saddle, converge = SaddleEscape(solver), STRATEGIES[strategy]
     for _ in range(ESCAPES):

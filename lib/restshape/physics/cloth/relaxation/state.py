@@ -47,6 +47,7 @@ class RelaxationState:
         softness: the least part of its stiffness that the membrane had on the way there, which contact remembers.
         interrupted: the last frame has failed: what was set up for it must be set up again.
         guessed: positions are those of a prediction, friction is that of its equilibrium.
+        taken: bodies have taken the last equilibrium along as it lay, whose stability is known.
         expected: of a frame that begins at the last rest; None of others, and once it is solved.
         rest: of a prediction, the last equilibrium; None of an equilibrium.
         distance: of a prediction, what estimates how far it is from the drape, over its size; None: a Newton step does.
@@ -72,6 +73,7 @@ class RelaxationState:
     softness: float = 1.0
     interrupted: bool = False
     guessed: bool = False
+    taken: bool = False
     expected: Expected | None = None
     rest: RelaxationState | None = None
     distance: Callable[[], float] | None = None
