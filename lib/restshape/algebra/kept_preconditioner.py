@@ -19,7 +19,6 @@ from restshape.algebra.preconditioner import (
     set_rigid_motions,
 )
 from restshape.algebra.prices import Prices, Size, prices
-from restshape.algebra.shared_factor import definite_on_ranks
 from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
 
@@ -368,7 +367,12 @@ class KeptPreconditioner:
         """
         if self.zero_pivots() or self.negative_pivots():
             return False
-        return self.exact or not self.traits.minimises or definite_on_ranks(mat)
+        if self.exact or not self.traits.minimises:
+            return True
+        # It brings SciPy, which one rank does not need.
+        from restshape.algebra.shared_factor import definite_on_ranks
+
+        return definite_on_ranks(mat)
 
     def has_no_factor(self) -> bool:
         """Whether a factor that exchanges rows came to no end: of a matrix that stays PETSc (3.18) forgets it."""

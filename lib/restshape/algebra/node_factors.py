@@ -3,13 +3,19 @@
 They exchange no rows, and take a quarter of the time of those that do.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.preconditioner import order_factor
 from restshape.arrays import Reals
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 class BorderedFactor:
@@ -101,6 +107,8 @@ class NodeInterior:
 
     def _begin(self, local: sp.csr_matrix) -> sp.csr_matrix:
         """The symmetric pattern in blocks, which the border's own nodes are on as zeros."""
+        import scipy.sparse as sp
+
         numbers = sp.csr_matrix((np.arange(1.0, len(local.data) + 1.0), local.indices, local.indptr), local.shape)
         inside, beside = numbers[: self.count, : self.count], numbers[: self.count, self.count :]
         zero = float(len(local.data) + 1)
@@ -136,6 +144,8 @@ class DenseBorder:
 
     def make(self, complement: Reals) -> bool:
         """Factor; whether a pivot is zero."""
+        import scipy.sparse as sp
+
         size = len(complement)
         if size != self._size:
             self.destroy()

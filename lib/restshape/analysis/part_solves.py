@@ -9,7 +9,6 @@ import numpy as np
 
 from restshape.algebra.linear import LinearSolver
 from restshape.analysis.guess import Guess
-from restshape.analysis.substructure import Substructure
 from restshape.errors import ReplayProblem
 from restshape.fem.problem import INTERNAL, SteadyProblem
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from restshape.algebra.operator import Operator
     from restshape.analysis.analysis import Context
+    from restshape.analysis.substructure import Substructure
     from restshape.mesh.reach import MovingPart
 
 log = logging.getLogger("restshape.analysis")
@@ -78,6 +78,9 @@ class PartSolves:
         if why := self._objection(problem):
             log.info("Reach: the whole is solved for: %s", why)
             return None
+        # It brings SciPy, which drags without a reach do not need.
+        from restshape.analysis.substructure import Substructure
+
         policy, self._solver = self.context.policy, self._solver or self._make_solver()
         cells, self.overwritten = problem.space.follow(part.cells), True
         try:

@@ -4,7 +4,7 @@
 import logging
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Generic, TypeVar, cast
+from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 import numpy as np
 from petsc4py import PETSc
@@ -27,7 +27,6 @@ from restshape.analysis.part_solves import PartSolves
 from restshape.analysis.quantity_errors import SteadyQuantityErrors
 from restshape.analysis.solution import Solution, moduli_of
 from restshape.analysis.steady_predictor import SteadyPredictor
-from restshape.analysis.substructure import Substructure
 from restshape.analysis.time_error import StepMatrix
 from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
@@ -43,6 +42,9 @@ from restshape.mesh.mesh import Mesh
 from restshape.scene.model import Quantity, Scene
 from restshape.scene.plan import Plan
 from restshape.scene.plan import plan as planned
+
+if TYPE_CHECKING:
+    from restshape.analysis.substructure import Substructure
 
 log = logging.getLogger("restshape.analysis")
 
@@ -441,7 +443,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         self.state = SteadyState(state.plan, frame.scene, state.bound, x, mesh.topology, mesh.geometry, scale)
         return report
 
-    def _part(self, frame: Frame) -> Substructure | None:
+    def _part(self, frame: Frame) -> "Substructure | None":
         """What solves for the part that alone has moved; None where the whole is to be solved for."""
         if frame.part is None or self.solver.on_solve is not None:
             return None
@@ -452,7 +454,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
             system.late, self.parts.overwritten = self._assemble_late, False
         return found
 
-    def _solve_part(self, frame: Frame, part: Substructure) -> LinearReport:
+    def _solve_part(self, frame: Frame, part: "Substructure") -> LinearReport:
         """Solve for the part that has moved alone; what else there is of the frame is found where it is asked for."""
         state, system, mesh = self.state, self.state.system, frame.mesh
         with self.context.stages("values"):
