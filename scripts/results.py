@@ -100,6 +100,8 @@ def make(result: Result, recorded: set[str], core: int | None = None) -> str:
     contents = {path: content_hash(path) for path in result.paths}
     core = core if result.timed else None
     timed = surroundings(core) if result.timed else ""
+    for pattern in result.files:
+        (RESULTS / pattern).parent.mkdir(parents=True, exist_ok=True)
     for command in result.commands:
         if command in recorded:
             continue
