@@ -214,8 +214,8 @@ py::tuple tested(ManySprings& m, const std::optional<Doubles>& gamma, int ending
     require(!gamma || gamma->size() == m.parameters(), "gamma must have 8 numbers a plank");
     const ManySprings::Found found = m.test(gamma ? gamma->data() : nullptr, ending);
     py::array_t<double> utilisations({static_cast<py::ssize_t>(found.flaws.size()), py::ssize_t{m.joints()}});
-    for (size_t k = 0; k < found.flaws.size(); ++k)
-        std::copy(found.utilisations[k].begin(), found.utilisations[k].end(), utilisations.mutable_data(k, 0));
+    double* row = utilisations.mutable_data();
+    for (const std::vector<double>& one : found.utilisations) row = std::copy(one.begin(), one.end(), row);
     return py::make_tuple(found.flaws, utilisations);
 }
 
