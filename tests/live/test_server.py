@@ -245,7 +245,8 @@ def test_random_messages_are_answered_and_do_no_harm(tmp_path):
         await page.socket.send_str("[" * 100_000)
         await page.socket.send_bytes(b"\0\1")
         await page.until("refused", message="a page sends texts")
-        await looker.until("done", id=await looker.do("drag"))
+        asked = await looker.do("drag")
+        assert (await looker.until("done", id=asked))["id"] == asked
 
     run(tmp_path, story)
 
@@ -304,7 +305,8 @@ def test_a_hand_that_sends_at_1000_hz_is_kept_up_with(tmp_path):
         for _ in range(300):
             last = await page.do("drag", latest=True, on="a", to=[0.1, 0.2])
             await asyncio.sleep(0.001)
-        await asyncio.wait_for(page.until("done", id=last), 0.5)
+        answer = await asyncio.wait_for(page.until("done", id=last), 0.5)
+        assert answer["id"] == last
 
     run(tmp_path, story)
 
@@ -327,8 +329,9 @@ def test_a_process_that_dies_again_and_again_waits_for_a_hand_to_start_it(tmp_pa
         await page.until("lost", restarting=False)
         server.session._process.words.remove("dead")
         await page.until("done", id=await page.say(type="restart"))
-        await page.until("frame", number=0)
-        await page.until("done", id=await page.do("drag"))
+        first = await page.until("frame", number=0)
+        asked = await page.do("drag")
+        assert first["number"] == 0 and (await page.until("done", id=asked))["id"] == asked
 
     run(tmp_path, story)
 
