@@ -163,12 +163,15 @@ def test_a_played_script_is_taken_over_by_the_hand(bracket_session, opened, tmp_
         page.until(lambda frame=frame: page.frame["number"] == frame, "the frame of the jump")
     page.tab.get_by_role("button", name="Take over").click()
     page.until(lambda: not page.of("welcome")[-1]["player"], "the hand")
+    played = len(page.of("frame"))
     page.drag(page.place([ROUND]), (0.0, -9.0))
     live.end()
     script = live.script()
     assert [event["do"] for event in script[:1] + script[-1:]] == ["press", "release"]
-    assert len(page.frames()) > 6 and not page.faults
-    live.assert_replays(page.frames())
+    # The player's later frames are not of the hand's script, and a page may leave out a frame that a newer one passed.
+    of_the_hand = {one["number"]: one["columns"] for one in page.of("frame")[played:]}
+    assert max(of_the_hand) > 3 and not page.faults
+    live.assert_replays({number: row for number, row in page.frames().items() if number <= 2} | of_the_hand)
 
 
 def test_a_finger_and_keys_edit_on_a_phone(browser, bracket_session):
