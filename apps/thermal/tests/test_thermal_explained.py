@@ -16,7 +16,7 @@ def test_heat_buoyancy_and_gravity_have_a_price(command, tmp_path):
     for name in ("convection", "heat", "buoyancy", "gravity"):
         assert rows[name]["on"] and not rows[name]["how"].startswith("not determined"), rows[name]
     assert rows["heat"]["share"] > 0.2 and rows["heat"]["unknowns"] > 1000
-    # Gravity alone costs nothing. Its share is a difference of measured times: four spreads, or half of what heat costs.
+    # Gravity alone costs nothing. Its share is a difference of times: four spreads, or half of what heat costs.
     assert abs(rows["gravity"]["share"]) < max(4 * rows["gravity"]["spread"], 0.5 * rows["heat"]["share"])
     assert "within that of heat" in rows["temperature_difference"]["how"]
     assert sum(row["share"] for row in rows.values()) == pytest.approx(1.0, abs=1e-9)
