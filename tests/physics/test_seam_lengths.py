@@ -40,6 +40,14 @@ def test_the_other_half_of_a_panel_on_the_fold_is_missed_where_it_is_not_sewn(tm
     assert seen(tmp_path, ON_FOLD, HIP.format(to="right"), OTHER).warnings == ()
 
 
+def test_a_panel_that_neither_seam_nor_support_reaches_is_warned_of(tmp_path):
+    panels = ON_FOLD + panel("pocket", "move = [0, 2, 0]"), HIP.format(to="right"), OTHER
+    [loose] = seen(tmp_path, *panels).warnings
+    assert loose.startswith("panels.pocket: no seam joins it to another panel and no support holds it")
+    assert not seen(tmp_path, *panels, '[supports.pin]\non = "pocket.a"\nfix = ["x", "y", "z"]\n').warnings
+    assert seen(tmp_path, *panels, '[seams.own]\nfrom = "pocket.left"\nto = "pocket.right"\n').warnings == (loose,)
+
+
 def test_pleats_take_twice_their_depth(tmp_path):
     found = seen(tmp_path, panel("front"), panel("band", "move = [0, 0, 1]", width=0.16), PLEATED)
     assert found.rows == [("lengths of waist", "from 160 mm (flat 200 mm), to 160 mm")] and not found.warnings

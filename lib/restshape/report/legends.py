@@ -1,9 +1,22 @@
 """Legends below pictures."""
 
 from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure, SubFigure
+
+
+class LegendLine(NamedTuple):
+    """A line of a legend: a colour and what it means.
+
+    Args:
+        colour: of the mark; text: beside it; style: of the mark, as of a line of Matplotlib's.
+    """
+
+    colour: str
+    text: str
+    style: Any = "-"
 
 
 def legend_below(figure: Figure | SubFigure, handles: list[Artist], names: list[str]) -> int:

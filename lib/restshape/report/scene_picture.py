@@ -24,9 +24,10 @@ from restshape.report.conditions import (
     load_colours,
 )
 from restshape.report.entity_outlines import place_of, smooth
-from restshape.report.legends import first_named
+from restshape.report.legends import LegendLine, first_named
 from restshape.report.load_vectors import accelerations, in_plane
 from restshape.report.name_labels import Labels
+from restshape.report.seam_sides import draw_seams, seam_legend
 from restshape.report.style import BODY, GOAL, INK, new_figure
 from restshape.scene.condition_words import load_words, support_words
 from restshape.scene.descriptions import with_symbol
@@ -74,7 +75,7 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
     height = min(WIDE / aspect, TALL)
     wide = max(LEFT + height * aspect + RIGHT, 5.5)
     head = _title(scene, outline, factor, unit, int((wide - 0.3) / LETTER))
-    words = [line for _, text in legend for line in wrap(text, int((wide - 0.9) / 0.07))]
+    words = [line for one in legend for line in wrap(one.text, int((wide - 0.95) / 0.07))]
     top, bottom = 0.25 + 0.19 * len(head), BELOW + 0.2 + LINE * len(words)
     high_figure = top + height + bottom
     figure = new_figure(wide, high_figure)
@@ -89,6 +90,7 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
 
     _body(axes, outline, factor)
     axes.add_collection(LineCollection([factor * goal for goal in goals], colors=GOAL, linewidths=1.3), autolim=False)
+    draw_seams(axes, scene, outline, moved)
     draw_supports(axes, scene, outline, moved)
     arrows = draw_loads(axes, scene, outline, moved)
     labels = labels_beside(axes, outline, moved)
@@ -135,7 +137,7 @@ def labels_beside(axes: Axes, outline: Outline, moved: Moved) -> Labels:
 
 
 def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str], size: float = 7.5) -> None:
-    """Writes the names of panels, regions, holes, edges and vertices beside them.
+    """Writes the names of panels, regions, holes, edges and vertices beside them; without that of their panel.
 
     Args:
         labels: that put them into their axes.
@@ -154,16 +156,22 @@ def name_entities(labels: Labels, outline: Outline, moved: Moved, used: set[str]
         chosen = [name for name in names if name in used or not _part(name, outline)]
         chosen = [name for name in chosen if name in used] if len(chosen) > MOST_NAMES else chosen
         for name in chosen:
-            place = place_of(outline, name)
+            place, words = place_of(outline, name), _own_name(name, outline)
             if kind == "edge":
                 middle = len(place.at) // 2
-                labels.add(moved(place.at[[middle]])[0], name, colour, size, first=place.outwards[middle])
+                labels.add(moved(place.at[[middle]])[0], words, colour, size, first=place.outwards[middle])
             elif kind == "vertex":
                 (here,) = moved(place.points[:1])
                 labels.axes.plot(*here, ".", color=POINT, ms=3.5, zorder=6)
-                labels.add(here, name, colour, size)
+                labels.add(here, words, colour, size)
             else:
-                labels.add(moved(place.inside[None])[0], name, colour, size, on_it=True)
+                labels.add(moved(place.inside[None])[0], words, colour, size, on_it=True)
+
+
+def _own_name(name: str, outline: Outline) -> str:
+    """A name without that of its panel, which is written on the panel."""
+    panel, dot, own = name.partition(".")
+    return own if dot and panel in outline.piece_names and len(outline.piece_names) > 1 else name
 
 
 def _part(name: str, outline: Outline) -> bool:
@@ -179,8 +187,8 @@ def goals_of(scene: Scene) -> dict[str, np.ndarray]:
     return {name: section.curve_of(goal) for section, given in curved for name, goal in given.items()}
 
 
-def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]:
-    """What colours mean: a colour and words each; groups with what is in them."""
+def _legend(scene: Scene, outline: Outline, goals: str) -> list[LegendLine]:
+    """What colours mean: a line each; groups with what is in them."""
 
     def on(names: Sequence[str]) -> str:
         groups = outline.groups
@@ -188,24 +196,31 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[tuple[str, str]]
         return first_named(parts, MOST_ON)
 
     known, supports = scene.parameters, scene.supports.items()
-    found = [(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one, known)}") for name, one in supports]
+    found = [
+        LegendLine(SUPPORT, f"support {name} on {on(one.on)}: {support_words(one, known)}") for name, one in supports
+    ]
     loads = zip(scene.loads.items(), load_colours(scene))
-    found += [(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads]
+    found += [
+        LegendLine(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads
+    ]
     if len(found) > MOST_CONDITIONS:
-        found = [*found[:MOST_CONDITIONS], ("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads")]
+        found = [
+            *found[:MOST_CONDITIONS],
+            LegendLine("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads"),
+        ]
     for name, value in accelerations(scene).items():
         # One across the plane has no arrow.
         colour = ACCELERATION if in_plane(scene, name, value).any() else "white"
-        found.append((colour, f"{name}: {with_symbol(value, 'acceleration', known)}"))
-    return found + ([(GOAL, f"goal {goals}")] if goals else [])
+        found.append(LegendLine(colour, f"{name}: {with_symbol(value, 'acceleration', known)}"))
+    return found + seam_legend(scene) + ([LegendLine(GOAL, f"goal {goals}")] if goals else [])
 
 
-def _write_legend(figure: Figure, legend: list[tuple[str, str]], wide: float, high: float) -> None:
+def _write_legend(figure: Figure, legend: list[LegendLine], wide: float, high: float) -> None:
     """The legend below the axes, a line or more each."""
-    y = LINE * sum(len(wrap(text, int((wide - 0.9) / 0.07))) for _, text in legend) + 0.1
-    for colour, text in legend:
-        lines = wrap(text, int((wide - 0.9) / 0.07))
-        mark = Line2D([0.2 / wide, 0.45 / wide], [(y - 0.06) / high] * 2, color=colour, lw=3.0)
+    y = LINE * sum(len(wrap(one.text, int((wide - 0.95) / 0.07))) for one in legend) + 0.1
+    for one in legend:
+        lines = wrap(one.text, int((wide - 0.95) / 0.07))
+        mark = Line2D([0.2 / wide, 0.5 / wide], [(y - 0.06) / high] * 2, color=one.colour, lw=3.0, ls=one.style)
         figure.add_artist(mark)
-        figure.text(0.55 / wide, y / high, "\n".join(lines), va="top", color=INK, fontsize=8.5)
+        figure.text(0.6 / wide, y / high, "\n".join(lines), va="top", color=INK, fontsize=8.5)
         y -= LINE * len(lines)

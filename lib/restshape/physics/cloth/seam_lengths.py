@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from restshape.outputs.si_numbers import si
+from restshape.physics.cloth.loose_panels import loose_panels
 from restshape.scene.dart_keys import IMAGE
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
@@ -79,4 +80,6 @@ def inspect_seams(scene: Scene, outline: Outline) -> Inspection:
     data = {one.name: {"from": one.start - one.folded, "to": one.to} for one in found}
     doubts = [one.doubt for one in sorted(found, key=lambda one: -one.excess) if one.doubt]
     rows = [(f"lengths of {one.name}", str(one)) for one in found]
-    return Inspection({"seam_lengths": data} if data else {}, rows, (*doubts, *open_halves(scene)))
+    return Inspection(
+        {"seam_lengths": data} if data else {}, rows, (*doubts, *open_halves(scene), *loose_panels(scene, outline))
+    )
