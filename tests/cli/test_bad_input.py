@@ -131,6 +131,18 @@ SCENES = [
         ('[supports.wall]\non = "left"\nfix = ["x", "y"]', '[supports]\nwall = "left"'),
     ),
     Case("not TOML", ("plate.toml (line", "not TOML"), ("nu = 0.3", "nu 0.3")),
+    Case("a key with a letter beyond ASCII", ("plate.toml (line", "with 'ß' in quotes"), ("nu = 0.3", "straße = 0.3")),
+    Case(
+        "a formula that divides by 0",
+        ("loads.pull.traction.0 (line", "gives inf"),
+        ("P*(1 + y)", "P/0"),
+    ),
+    Case(
+        "crossing outline in a replay",
+        ("plate.toml: shape (line", "cross"),
+        ("c = [2, 1]\nd = [0, 1]", "c = [0, 1]\nd = [2, 1]"),
+        argv=("replay", "{scene}", "{script}"),
+    ),
     Case("binary scene", ("plate.toml", "not a text file"), prepare=scene_bytes(bytes(range(256)))),
     Case("empty scene", ("plate.toml: format", "not a scene"), prepare=scene_bytes(b"")),
     Case("missing scene", ("nowhere.toml", "no such scene"), argv=("check", "{folder}/nowhere.toml")),

@@ -208,6 +208,14 @@ def test_models_can_be_made_in_code():
     assert math.isclose(Load(on=["a"], force=["1 kN", 0]).force[0], 1000)
 
 
+@pytest.mark.parametrize("how", ["max", "mean", "absmax"])
+def test_a_total_cannot_be_reduced_otherwise(scene_file, how):
+    text = scene_file.read_text() + f'\n[quantities.held]\nreaction = "y"\nat = "left"\nreduce = "{how}"\n'
+    scene_file.write_text(text)
+    with pytest.raises(UserError, match=f"reduced by .sum. or .peak., not by '{how}'"):
+        load_scene(scene_file)
+
+
 def test_a_scene_cannot_be_changed(scene_file):
     scene = load_scene(scene_file)
     with pytest.raises(ValueError, match="frozen"):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 from restshape.scene.model import Scene
-from restshape.scene.quantity import Quantity, QuantityKind
+from restshape.scene.quantity import ANY, Quantity, QuantityKind
 from restshape.scene.source import Source, suggestion
 
 OF_PLANKS = {
-    "reaction": QuantityKind(Literal["x", "y", "z"], "force", "sum", summary="a component of the force of the floor"),
+    "reaction": QuantityKind(
+        Literal["x", "y", "z"], "force", "sum", reductions=ANY, summary="a component of the force of the floor"
+    ),
     "utilisation": QuantityKind(
         Literal["pull", "shear", "largest"],
         "number",
@@ -21,8 +23,10 @@ OF_PLANKS = {
     "stability_margin": QuantityKind(
         Literal[True], "number", "min", whole=True, renamed="margin", summary="how far from tipping"
     ),
-    "mass": QuantityKind(Literal[True], "mass", "sum", summary="mass of planks"),
-    "length": QuantityKind(Literal["x", "y", "z"], "length", "sum", summary="size of a plank along its own axis"),
+    "mass": QuantityKind(Literal[True], "mass", "sum", reductions=ANY, summary="mass of planks"),
+    "length": QuantityKind(
+        Literal["x", "y", "z"], "length", "sum", reductions=ANY, summary="size of a plank along its own axis"
+    ),
 }
 """Kinds of quantities that furniture adds: utilisation of joints, deflection, margin of what holds the piece
 down, mass, and length along an axis of a plank's own."""

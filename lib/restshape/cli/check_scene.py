@@ -35,7 +35,7 @@ from restshape.scene.plain_values import table_in
 from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.scene_type import joined_sections
 from restshape.scene.units import SYMBOLS
-from restshape.shape.build import outline_from_spec
+from restshape.shape.build import outline_of
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
@@ -182,10 +182,7 @@ def starting_outline(scene: Scene) -> Outline:
 
         outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit)[1]
     else:
-        try:
-            outline = outline_from_spec(scene.shape, scene.folder)
-        except UserError as error:
-            raise with_bare_lengths(scene.located(error), scene) from error
+        outline = outline_of(scene)
     for key, name in used_names(scene):
         try:
             outline.entity(name)

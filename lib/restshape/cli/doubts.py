@@ -19,7 +19,7 @@ from restshape.scene.edit_script import Script, Set
 from restshape.scene.load import revise
 from restshape.scene.model import Material, Scene
 from restshape.scene.plain_values import table_in
-from restshape.scene.quantity import CORE, in_unit, limit_in_unit
+from restshape.scene.quantity import in_unit, limit_in_unit
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
@@ -169,7 +169,7 @@ def _limits_in_time(scene: Scene) -> Iterator[str]:
     if not steps or max(steps) < 2:
         return
     for name, quantity in scene.quantities.items():
-        may = not quantity.kinds[quantity.kind].reductions and quantity.kind not in CORE
+        may = "peak" in quantity.kinds[quantity.kind].reduced_by
         if may and quantity.max is not None and "reduce" not in table_in(table_in(scene.raw, "quantities"), name):
             yield (
                 f"quantities.{name}: its limit is compared with the end of each frame alone, not the {max(steps)} time "

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
+import numpy as np
 from pydantic import BaseModel
 
-from restshape.scene.expressions import COORDINATES, Expression
+from restshape.scene.expressions import Expression
 from restshape.scene.scene_parameters import Parameters
 from restshape.scene.source import Source
-from restshape.scene.units import LEAST, UnitError, refuse_impossible
+from restshape.scene.units import UnitError, refuse_impossible
 
 
 def check_units(model: BaseModel, parameters: Parameters, source: Source, key: tuple[str, ...] = ()) -> None:
@@ -46,7 +48,7 @@ def check_formulas(model: BaseModel, values: Mapping[str, float], source: Source
     for place, formula in formulas(model, key):
         if unknown := formula.unknown(values):
             raise source.error(place, unknown.what, unknown.do)
-        if formula.wanted in LEAST and not formula.names.intersection(COORDINATES):
+        if formula.names.isdisjoint(formula.coordinates):
             _refuse_impossible(place, formula, values, source)
 
 
@@ -55,7 +57,11 @@ def _refuse_impossible(
 ) -> None:
     """Refuses a formula of parameters alone that gives what no quantity of its dimension can be."""
     try:
-        refuse_impossible(float(formula.evaluate(0.0, 0.0, values)), formula.wanted)
+        with np.errstate(all="ignore"):
+            value = float(formula.evaluate(0.0, 0.0, values))
+        if not math.isfinite(value):
+            raise source.error(place, f"the formula {formula.text!r} gives {value}", "change it, or the parameters")
+        refuse_impossible(value, formula.wanted)
     except UnitError as error:
         raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
 

@@ -122,7 +122,7 @@ def _tables(text: str, path: Path) -> Table:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise _syntax_error(error, path) from error
+        raise _syntax_error(error, text, path) from error
     except RecursionError:
         what = f"there are more than {bounds.NESTING} tables and lists within each other"
         raise UserError(what, path.name, "write flatter tables") from None
@@ -180,7 +180,7 @@ def remade(scene: Scene, raw: Table) -> Scene:
     return _scene(raw, scene._source)
 
 
-def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
+def _syntax_error(error: tomllib.TOMLDecodeError, text: str, path: Path) -> UserError:
     """The error for people of text that is not TOML."""
     message = str(error)
     what, _, place = message.partition(" (at ")
@@ -188,7 +188,17 @@ def _syntax_error(error: tomllib.TOMLDecodeError, path: Path) -> UserError:
     where = f"{path.name} ({place})" if place else path.name
     if "overwrite" in what or "twice" in what or "Duplicate" in what:
         return UserError("a name or key is used twice", where, "rename or remove one of the two")
-    return UserError(f"this is not TOML: {what[0].lower()}{what[1:]}", where, "see https://toml.io for the syntax")
+    sign = _sign_at(text, place)
+    letter = sign.isalpha() and not sign.isascii()
+    do = f"write keys with {sign!r} in quotes" if letter else "see https://toml.io for the syntax"
+    return UserError(f"this is not TOML: {what[0].lower()}{what[1:]}", where, do)
+
+
+def _sign_at(text: str, place: str) -> str:
+    """The character of a text at a place such as ``line 3, column 5``; empty where there is none."""
+    found = re.fullmatch(r"line (\d+), column (\d+)", place)
+    line = text.split("\n")[int(found[1]) - 1] if found else ""
+    return line[int(found[2]) - 1 :][:1] if found else ""
 
 
 def _check_format(raw: Table, path: Path) -> None:

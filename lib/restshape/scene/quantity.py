@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self, cast
 
@@ -18,6 +18,12 @@ from restshape.scene.key_aliases import OLD_NAMES, by_todays_names
 from restshape.scene.units import SYMBOLS, UnitError, article, reads_as_quantity
 from restshape.scene.values import Strict, only_one, read_number
 
+ANY = ("max", "min", "mean", "sum", "absmax", "peak")
+"""How values may become one."""
+
+TOTAL = ("sum", "peak")
+"""How what is one number already may."""
+
 
 @dataclass(frozen=True)
 class QuantityKind:
@@ -29,7 +35,7 @@ class QuantityKind:
         reduce: how values become one where the scene does not say.
         whole: it belongs to the whole body, not to a place.
         summary: what it is, for people.
-        reductions: how values may become one; empty: in any way.
+        reductions: how values may become one; empty: in any way, but for totals by sum, which have no parts to choose.
         renamed: its key in version 0.1; empty: the same.
         on: kinds of entities of which one must be named; empty: any may be, or none.
         beside: path ``module:attribute`` of the function of a value and the row of its frame, by column, that gives
@@ -60,9 +66,22 @@ class QuantityKind:
         return SYMBOLS[self.dimension]
 
     @property
+    def reduced_by(self) -> tuple[str, ...]:
+        """How values may become one; a total is one number already, of which a frame's time steps may have a peak."""
+        return self.reductions or (TOTAL if self.reduce == "sum" else ANY)
+
+    @property
     def meaning(self) -> tuple[str, str, bool]:
         """What it is in all physics that have it: they may differ in what may be chosen."""
         return self.dimension, self.reduce, self.whole
+
+
+def of_the_end(kinds: Mapping[str, QuantityKind]) -> dict[str, QuantityKind]:
+    """Kinds of quantities of which the end of a frame is looked at alone: there is no peak of its time steps."""
+    return {
+        key: replace(kind, reductions=tuple(how for how in kind.reduced_by if how != "peak"))
+        for key, kind in kinds.items()
+    }
 
 
 LIMIT_SCHEMA = {"anyOf": [{"type": "number"}, {"type": "string"}], "description": "in SI units, or such as 180 MPa"}
@@ -107,7 +126,15 @@ def limit_in_unit(unit: str, bound: float) -> str:
     return in_unit(unit, bound, limit_digits(bound))
 
 
-CORE = {"area": QuantityKind(Literal[True], "area", "sum", summary="the area of the shape, or of a part of it, exact")}
+CORE = {
+    "area": QuantityKind(
+        Literal[True],
+        "area",
+        "sum",
+        reductions=("sum",),
+        summary="the area of the shape, or of a part of it, exact",
+    )
+}
 """The kinds that quantities of all scenes may have."""
 
 
@@ -208,10 +235,11 @@ class Quantity(Strict):
         if self.max is not None and self.min is not None and self.min > self.max:
             least, most = (limit_in_unit(self.unit, one) for one in (self.min, self.max))
             raise UnitError(f"no value can be at least {least} and at most {most}", "exchange min and max, or mend one")
-        reductions = self.kinds[kind].reductions
-        if reductions and self.reduce not in reductions:
+        reductions = self.kinds[kind].reduced_by
+        if self.reduce not in reductions:
             raise UnitError(
-                f"{article(kind)} is reduced by {' or '.join(map(json.dumps, reductions))}, not by {self.reduce!r}"
+                f"{article(kind)} is reduced by {' or '.join(map(json.dumps, reductions))}, not by {self.reduce!r}",
+                f"leave reduce out, which is {json.dumps(self.kinds[kind].reduce)}",
             )
         return self
 

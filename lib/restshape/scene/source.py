@@ -68,7 +68,9 @@ def read_text(path: Path, kind: str, most: int) -> str:
     except IsADirectoryError as error:
         raise UserError(f"this is a folder, not a {kind}", str(path), "name the file in it") from error
     except UnicodeDecodeError as error:
-        raise UserError(f"this is not a text file, so it is no {kind}", str(path), "name another file") from error
+        raise UserError(
+            f"this is not a text file in UTF-8, so it is no {kind}", str(path), "save it as UTF-8, or name another file"
+        ) from error
     except OSError as error:
         raise UserError(f"the {kind} cannot be read: {error.strerror}", str(path), "check its permissions") from error
     # The name of a file that no file can have.

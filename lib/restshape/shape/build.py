@@ -14,7 +14,8 @@ from pydantic import ValidationError
 
 from restshape.arrays import Reals
 from restshape.errors import UserError
-from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, ShapeSpec
+from restshape.scene.bare_lengths import with_bare_lengths
+from restshape.scene.model import CircleLoop, EdgeLoop, PolygonLoop, Scene, ShapeSpec
 from restshape.scene.plain_values import table_in
 from restshape.scene.shape_edges import ArcSpec, LineSpec, PolylineSpec, SplineSpec
 from restshape.scene.source import Source
@@ -80,6 +81,18 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
             raise UserError(wrong, dart.where, do)
         raise UserError(wrong, _place(outline, wrong), apart if wrong.startswith("panel") else do)
     return outline
+
+
+def outline_of(scene: Scene) -> Outline:
+    """The outline of the tables of a scene, before any edit.
+
+    Raises:
+        UserError: as `outline_from_spec`, with file and line.
+    """
+    try:
+        return outline_from_spec(scene.shape, scene.folder)
+    except UserError as error:
+        raise with_bare_lengths(scene.located(error), scene) from error
 
 
 def _place(outline: Outline, wrong: str) -> str:

@@ -14,7 +14,6 @@ from restshape.application import Application
 from restshape.arrays import Reals
 from restshape.bounds import REACH
 from restshape.errors import UserError
-from restshape.scene.bare_lengths import with_bare_lengths
 from restshape.scene.bodies import bodies_of
 from restshape.scene.dart_event import DrawnDart
 from restshape.scene.dart_keys import dart_of_part
@@ -45,7 +44,7 @@ from restshape.shape import gesture as gestures
 from restshape.shape import rigid_body_drag, topology_edits
 from restshape.shape.arc_grab import bent, grab_arc, is_arc
 from restshape.shape.both_halves import image_of, of_both_halves, reflected, twice
-from restshape.shape.build import outline_from_spec
+from restshape.shape.build import outline_of
 from restshape.shape.dart_drawing import with_drawn_dart, without_dart
 from restshape.shape.fairing import smooth
 from restshape.shape.gesture import Gesture
@@ -96,10 +95,7 @@ class EditSession(ScriptSession[Outline]):
         self, scene: Scene, script: Script, application: Application | None = None, outline: Outline | None = None
     ) -> None:
         super().__init__(scene, script, application)
-        try:
-            self.outline = outline if outline is not None else outline_from_spec(scene.shape, scene.folder)
-        except UserError as error:
-            raise with_bare_lengths(error, scene) from error
+        self.outline = outline if outline is not None else outline_of(scene)
         refuse_lost_names(scene, self.outline)
         self._columns = self._application.own_columns(scene)
         self._grab: Grab | SpaceGrab | None = None

@@ -14,7 +14,7 @@ from restshape.scene.load_kind import CURVES, ENTITIES, any_of
 from restshape.scene.materials import named
 from restshape.scene.model import Scene
 from restshape.scene.physics import Invariant, Physics, PictureField, Section
-from restshape.scene.quantity import QuantityKind
+from restshape.scene.quantity import QuantityKind, of_the_end
 from restshape.scene.solver import UNSYMMETRIC, SolverPlan, System
 from restshape.scene.source import Source, name_suggestion
 from restshape.scene.units import UnitError, declare_dimension
@@ -254,24 +254,31 @@ FLOW = Physics(
         "fluid": Section(Fluid, "what flows", required=True, shared=True),
         "boundary": Section(EdgeCondition, "what the flow does at edges", named=True, shared=True),
     },
-    quantities={
-        "drag": QuantityKind(Literal[True], "force", "sum", summary=f"force along x {PLACE}", on=CURVES),
-        "lift": QuantityKind(Literal[True], "force", "sum", summary=f"force along y {PLACE}", on=CURVES),
-        "drag_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along x", on=CURVES),
-        "lift_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along y", on=CURVES),
-        "strouhal": QuantityKind(
-            Coefficient, "number", "sum", summary="frequency of the lift over its last full cycles", on=CURVES
-        ),
-        "pressure": QuantityKind(Literal[True], "pressure", "mean", summary="pressure of an entity"),
-        "pressure_drop": QuantityKind(
-            Between, "pressure", "mean", whole=True, summary="pressure of one place less that of another"
-        ),
-        "flux": QuantityKind(
-            Literal[True], DISCHARGE, "sum", summary="volume that leaves by an edge in a second", on=CURVES
-        ),
-        "speed": QuantityKind(Literal[True], "velocity", "max", summary="length of the velocity at an entity"),
-        "kinetic": QuantityKind(Literal[True], "moment", "sum", whole=True, summary="kinetic energy of the fluid"),
-    },
+    quantities=of_the_end(
+        {
+            "drag": QuantityKind(Literal[True], "force", "sum", summary=f"force along x {PLACE}", on=CURVES),
+            "lift": QuantityKind(Literal[True], "force", "sum", summary=f"force along y {PLACE}", on=CURVES),
+            "drag_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along x", on=CURVES),
+            "lift_coefficient": QuantityKind(Coefficient, "number", "sum", summary="of the force along y", on=CURVES),
+            "strouhal": QuantityKind(
+                Coefficient, "number", "sum", summary="frequency of the lift over its last full cycles", on=CURVES
+            ),
+            "pressure": QuantityKind(Literal[True], "pressure", "mean", summary="pressure of an entity"),
+            "pressure_drop": QuantityKind(
+                Between,
+                "pressure",
+                "mean",
+                whole=True,
+                reductions=("mean",),
+                summary="pressure of one place less that of another",
+            ),
+            "flux": QuantityKind(
+                Literal[True], DISCHARGE, "sum", summary="volume that leaves by an edge in a second", on=CURVES
+            ),
+            "speed": QuantityKind(Literal[True], "velocity", "max", summary="length of the velocity at an entity"),
+            "kinetic": QuantityKind(Literal[True], "moment", "sum", whole=True, summary="kinetic energy of the fluid"),
+        }
+    ),
     effects={
         "flow": Effect(
             FlowSettings, "velocity and pressure of a fluid", fixed=True, drives=True, transient="time_step"

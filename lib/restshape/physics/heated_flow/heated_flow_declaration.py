@@ -13,7 +13,7 @@ from restshape.scene.effect import DerivedEffect, Effect, StartOnly
 from restshape.scene.load_kind import CURVES
 from restshape.scene.model import Scene
 from restshape.scene.physics import Physics, PictureField, Section
-from restshape.scene.quantity import QuantityKind
+from restshape.scene.quantity import QuantityKind, of_the_end
 from restshape.scene.solver import DEFINITE, UNSYMMETRIC, SolverPlan, System
 from restshape.scene.units import UnitError, declare_dimension
 from restshape.scene.values import Entities, Strict, number_of, only_one, value_of
@@ -157,16 +157,28 @@ HEATED_FLOW = Physics(
         "boundary": Section(HeatedEdge, "what happens at edges", named=True, shared=True),
         "heat": Section(HeatSource, "heat that is set free inside", named=True),
     },
-    quantities={
-        "temperature": QuantityKind(Literal[True], "temperature", "mean", summary="temperature of an entity"),
-        "bulk_temperature": QuantityKind(
-            Literal[True], "temperature", "mean", summary="temperature of what flows through an edge", on=CURVES
-        ),
-        "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
-        "nusselt": QuantityKind(
-            NusseltNumber, "number", "mean", summary="Nusselt number of the heat that enters by an edge", on=CURVES
-        ),
-    },
+    quantities=of_the_end(
+        {
+            "temperature": QuantityKind(Literal[True], "temperature", "mean", summary="temperature of an entity"),
+            "bulk_temperature": QuantityKind(
+                Literal[True],
+                "temperature",
+                "mean",
+                reductions=("mean",),
+                summary="temperature of what flows through an edge",
+                on=CURVES,
+            ),
+            "heat_flow": QuantityKind(Literal[True], "power", "sum", summary="heat that leaves by an edge", on=CURVES),
+            "nusselt": QuantityKind(
+                NusseltNumber,
+                "number",
+                "mean",
+                reductions=("mean",),
+                summary="Nusselt number of the heat that enters by an edge",
+                on=CURVES,
+            ),
+        }
+    ),
     effects={
         "heat": Effect(
             Heat,
