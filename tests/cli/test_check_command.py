@@ -71,6 +71,7 @@ def script(tmp_path: Path, *events: str) -> Path:
         (['{"t": 0, "do": "scale", "on": "window", "factor": 9}'], 2, "window"),
         (['{"t": 0, "do": "set", "key": "material.steel.nu", "value": 0.7}'], 2, "less than 0.5"),
         (['{"t": 0, "do": "set", "key": "material.stel.nu", "value": 0.2}'], 2, "did you mean 'steel'"),
+        (['{"t": 0, "do": "set", "key": "supports", "value": {}}'], 2, "free to move as a rigid body"),
         (['{"t": 0, "do": "undo"}'], 2, "undo"),
         (['{"t": 0, "do": "hole", "name": "left", "center": [1500, 500], "radius": 50}'], 2, "left"),
         (['{"t": 0, "do": "hole", "name": "far", "center": [9500, 500], "radius": 50}'], 2, "far"),

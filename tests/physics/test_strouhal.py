@@ -73,3 +73,10 @@ def test_a_steady_flow_says_that_it_does_not_swing(tmp_path):
     assert np.isnan(row["q_st"]) and "does not swing" in row["note"]
     row = solved(tmp_path, CYLINDER + in_time() + asked).row
     assert np.isnan(row["q_st"]) and "st: the lift has not swung" in row["note"]
+
+
+def test_a_swing_from_step_to_step_is_none_of_the_flow():
+    swing = Swing()
+    for k in range(40):
+        swing = swing.after(0.02 * k, (-1.0) ** k)
+    assert np.isnan(swing.period)

@@ -38,6 +38,7 @@ from restshape.scene.units import SYMBOLS
 from restshape.shape.build import outline_of
 from restshape.shape.imported_shape import imported_shape
 from restshape.shape.outline import Outline
+from restshape.shape.script_frame import ScriptFrame
 
 LISTED = 12
 """Gaps, and curves, that are printed one by one."""
@@ -358,14 +359,30 @@ def replayed(
     frames, seconds = 0, 0.0
     changes: Counter[str] = Counter()
     refused = []
-    for frame in session_of(scene, script, outline).frames():
+    session = session_of(scene, script, outline)
+    for frame in session.frames():
         frames += 1
         begin_frame()
         seconds = frame.t
         changes[frame.change] += 1
-        if frame.refused:
-            refused.append({"line": frame.line, "frame": frame.index, "do": frame.do, "why": frame.refused})
+        why = frame.refused
+        if not why and frame.change == "values" and (why := _without_answer(frame)):
+            session.rollback()
+        if why:
+            refused.append({"line": frame.line, "frame": frame.index, "do": frame.do, "why": why})
     return {"frames": frames, "seconds": seconds, "changes": dict(changes), "refused": refused}
+
+
+def _without_answer(frame: ScriptFrame) -> str | None:
+    """Why a frame whose values have changed would have no answer, as far as its outline shows; None where it may."""
+    if frame.outline is None:
+        return None
+    try:
+        for physics in application_of(frame.scene).physics:
+            physics.checked_shape(frame.scene, frame.outline)
+    except UserError as error:
+        return error.one_line
+    return None
 
 
 def print_edits(path: Path, edits: dict[str, Any], script: Script) -> None:

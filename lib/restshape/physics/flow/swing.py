@@ -25,6 +25,9 @@ STILL = 1e-3
 TURNED = 0.2
 """Part of the last swing by which a value goes back after a turning point."""
 
+SAMPLES = 8
+"""Time steps without which a cycle is one of the steps, not of the flow."""
+
 STEADY_NOTE = "a steady flow does not swing: it has no Strouhal number"
 
 
@@ -66,8 +69,9 @@ class Swing:
 
     @property
     def period(self) -> float:
-        """The mean length of the last full cycles that are as long as each other [s]; not a number where there are too
-        few, or they are over.
+        """The mean length of the last full cycles that are as long as each other [s].
+
+        Not a number where there are too few, they are over, or they take too few time steps to be those of the flow.
         """
         times = [time for time, _ in self.turns]
         # From above to above and from below to below: every two turning points make a full cycle with the one between.
@@ -75,6 +79,8 @@ class Swing:
         for count in range(len(cycles), 2 * FEWEST - 2, -1):
             own = cycles[-count:]
             period = sum(own) / count
+            if period < SAMPLES * (self.last[-1][0] - self.last[0][0]):
+                return nan
             if self.last[-1][0] - times[-1] <= period and all(abs(one - period) <= REGULAR * period for one in own):
                 return period
         return nan
@@ -125,4 +131,5 @@ def still_note(numbers: Mapping[str, float]) -> dict[str, str]:
     names = [name for name, number in numbers.items() if isnan(number)]
     if not names:
         return {}
-    return {"note": f"{', '.join(names)[:80]}: the lift has not swung regularly for {FEWEST} full cycles"}
+    what = f"the lift has not swung regularly for {FEWEST} full cycles of {SAMPLES} time steps or more"
+    return {"note": f"{', '.join(names)[:80]}: {what}"}
