@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from restshape.algebra.candidates import MORE_RANKS, Candidate, candidates
+from restshape.algebra.outlay import Outlay, Rival
 from restshape.algebra.prices import Prices, Size, flow_prices, prices
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
+from restshape.first_use import made
 
 log = logging.getLogger("restshape.algebra")
 
@@ -82,6 +84,8 @@ class Choice:
 
     Attributes:
         krylov: the iteration that the user names, so that candidates with another one are left out; empty: none.
+        uses: solves with each matrix of the system that are known to come.
+        outlay: what the chosen candidate has cost on the system.
 
     Source: docs/theory/levels-of-reuse.md.
     """
@@ -92,6 +96,7 @@ class Choice:
         self.fill: dict[tuple[str, int], float] = {}
         self.excluded: set[str] = set()
         self.systems, self.solves, self._since = 1.0, PRIOR_LIFE, 0
+        self.uses, self.outlay = 1, Outlay()
 
     def __call__(self, size: Size) -> Candidate:
         """The candidate of which a solve is expected to cost least; ties go to the first of the list."""
@@ -99,21 +104,41 @@ class Choice:
         found = self.open(size)
         costs = [(candidate, self.cost(candidate, size)) for candidate in found]
         chosen = min(costs, key=lambda priced: priced[1])[0]
+        self._begin(chosen, costs, size)
         self._log_choice(chosen, costs, size)
         return chosen
+
+    def _begin(self, chosen: Candidate, costs: Sequence[tuple[Candidate, float]], size: Size) -> None:
+        """Begin the account of a candidate of symmetric systems; others are chosen again after `PATIENCE`."""
+        others = [priced for priced in costs if priced[0] is not chosen]
+        if chosen.krylov or not others:
+            self.outlay.begin(None)
+            return
+        rival, cost = min(others, key=lambda priced: priced[1])
+        self.outlay.begin(Rival(rival, cost, self.prices(rival, size).setup))
 
     def again(self, size: Size, present: Candidate) -> Candidate:
         """The candidate for a refresh on the same mesh: another one where what has been counted makes it cheaper.
 
-        Candidates of symmetric systems stay for as long as the mesh does.
+        Candidates of symmetric systems stay until their `outlay` has exceeded what another one would have cost.
         """
-        if not present.krylov or self._since < PATIENCE or present not in self.open(size):
+        if not present.krylov:
+            return self._instead(size) if self.outlay.exceeded else present
+        if self._since < PATIENCE or present not in self.open(size):
             return present
         costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
         chosen, least = min(costs, key=lambda priced: priced[1])
         if least > LESS * self.cost(present, size):
             return present
         self._since = 0
+        self._log_choice(chosen, costs, size)
+        return chosen
+
+    def _instead(self, size: Size) -> Candidate:
+        """The rival of a candidate that has cost too much, whose own account begins."""
+        chosen = made(self.outlay.rival).candidate
+        costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
+        self._begin(chosen, costs, size)
         self._log_choice(chosen, costs, size)
         return chosen
 
@@ -182,7 +207,11 @@ class Choice:
         life = min(system, math.sqrt(2.0 * price.refresh / rent)) if rent > 0 else system
         life = max(1.0, life)
         setup = max(0.0, price.setup - price.refresh) / system
-        return price.iteration * (fresh + growth * life / 2.0) + price.refresh / life + setup
+        aged = price.iteration * (fresh + growth * life / 2.0) + price.refresh / life
+        if self.uses > 1 and candidate.complete and size.ranks == 1:
+            # A new factor for each matrix is applied without an iteration.
+            aged = min(aged, price.refresh / self.uses + price.apply)
+        return aged + setup
 
     def prices(self, candidate: Candidate, size: Size, filled: float = 0.0) -> Prices:
         """What a candidate costs, with so many nonzeros where they are known."""

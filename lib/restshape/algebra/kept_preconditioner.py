@@ -67,6 +67,7 @@ class KeptPreconditioner:
         self.exchanges, self._without_pivots, self._precise = traits.pivots, set[str](), False
         self.ready = self.pattern_changed = False
         self.filled = 0.0
+        self._paid: Prices | None = None
         self.handle = 0
         self._given: list[str] = []
         self.blocks = self.single = True
@@ -148,9 +149,10 @@ class KeptPreconditioner:
         blocks = mat.getType() == "seqbaij"
         return Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields, blocks)
 
-    def begin_system(self) -> None:
-        """Forget what was made: the system is another one, which has its choice."""
+    def begin_system(self, uses: int = 1) -> None:
+        """Forget what was made: the system is another one, which has its choice for known uses of each matrix."""
         self._reset()
+        self._paid, self.choice.uses = None, uses
         self.ready = self.pattern_changed = False
         self.single = True
         if not self.blocks:
@@ -169,9 +171,15 @@ class KeptPreconditioner:
         if self.chooses and self.candidate and self.ready:
             self._change(self.choice.again(self.size, self.candidate))
 
+    @property
+    def outdone(self) -> bool:
+        """Whether it has cost more than another candidate would have, its set-up included."""
+        return self.candidate is not None and self.choice.outlay.exceeded
+
     def _change(self, chosen: Candidate) -> None:
         if chosen is not self.candidate:
             self._reset()
+            self._paid, self.ready = None, False
             self._take(chosen)
 
     def _why_fixed(self) -> str:
@@ -212,6 +220,8 @@ class KeptPreconditioner:
         if self.kind == "gamg":
             cycle_in_single(pc)
         pc.setReusePreconditioner(True)
+        if self._paid:
+            self.choice.outlay.refresh(self._paid.refresh)
         self.ready, self.pattern_changed = True, False
 
     def _factor_by_nodes(self, mat: PETSc.Mat) -> None:
@@ -283,7 +293,8 @@ class KeptPreconditioner:
         if self.candidate and filled:
             self.choice.count_fill(self.candidate, size, filled)
         if self.candidate:
-            return self.choice.prices(self.candidate, size, filled or size.nonzeros)
+            self._paid = self.choice.prices(self.candidate, size, filled or size.nonzeros)
+            return self._paid
         return prices(self.kind, size, filled or size.nonzeros, self.choice.calibration)
 
     def expected(self, counted: float) -> float:
@@ -295,6 +306,13 @@ class KeptPreconditioner:
         if self.candidate:
             share = DECADES / decades if self.candidate.krylov else 1.0
             self.choice.count(self.candidate, self.size, uses, iterations * share)
+            if self._paid:
+                self.choice.outlay.solve(iterations * self._paid.iteration)
+
+    def count_application(self) -> None:
+        """Take in a solve by one application of a complete factor."""
+        if self._paid:
+            self.choice.outlay.solve(self._paid.apply)
 
     def replace_failed(self) -> bool:
         """After a failure of a fresh one, take one of another kind; returns whether any is left."""

@@ -197,7 +197,7 @@ class LinearSolver:
         """
         self.scale = scale
         if not self._begun:
-            self._begin(mat, new_system, same_matrix, patched)
+            self._begin(mat, new_system, same_matrix, patched, uses)
         self._begun = False
         if self.projection and self.projection.pays and not auxiliary:
             with self.stages("krylov"):
@@ -205,11 +205,11 @@ class LinearSolver:
         if self.on_solve:
             self.on_solve(mat, b, x, new_system, places)
         again = not self._current and (self.method == "direct" or (self.keeps and self.refresh.worth_refreshing(uses)))
-        stale = self.kept.ready and not again
+        stale = self.kept.ready and not (again or (self.keeps and self.kept.outdone))
         if stale:
             self._take_old(mat, same_matrix)
         else:
-            self._factor(mat, places, self._why(again), uses)
+            self._factor(mat, places, self._why(self.kept.ready), uses)
         self._use()
         self._weigh(b)
         iterations, last, refreshed = self._converge(mat, b, x, places, uses, stale)
@@ -258,10 +258,12 @@ class LinearSolver:
         self._current = False
         if self.comm.size > 1 or self.method == "ilu":
             return
-        self._begin(mat, new_system, False, False)
+        self._begin(mat, new_system, False, False, uses)
         self._begun, self._new = True, new_system
-        if self.kind == "cholesky" and (
-            self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses)
+        if (
+            self.kind == "cholesky"
+            and not self.kept.outdone
+            and (self.method == "direct" or not self.kept.ready or self.refresh.worth_refreshing(uses))
         ):
             self._factor(
                 mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even:.3g} iterations", uses
@@ -283,6 +285,7 @@ class LinearSolver:
             self.kept.ready = False
             raise ReplayProblem(NO_FACTOR)
         self._use()
+        self.kept.count_application()
         return self._reported(LinearReport(1, self.age == 0, self.age, self.name))
 
     def negative_pivots(self) -> int:
@@ -306,7 +309,7 @@ class LinearSolver:
             return True
         if self.on_solve:
             self.on_solve(mat, mat.createVecLeft(), mat.createVecRight(), new_system, places)
-        self._factor(mat, places, "a test of positive definiteness")
+        self._factor(mat, places, "a test of positive definiteness", rebuild=True)
         if self.on_solved:
             self.on_solved(None)
         with self.stages("factor"):
@@ -321,7 +324,7 @@ class LinearSolver:
 
     # --- a new system, a new pattern ------------------------------------------------------------------------------
 
-    def _begin(self, mat: PETSc.Mat, new_system: bool, same_matrix: bool, patched: bool) -> None:
+    def _begin(self, mat: PETSc.Mat, new_system: bool, same_matrix: bool, patched: bool, uses: int = 1) -> None:
         """See what is new about a matrix, and choose its preconditioner where the system is another one."""
         # A patch that adds to the pattern makes another matrix object, beside the one that the KSP still holds.
         kept, grown = self.kept, mat.handle != self.kept.handle
@@ -332,7 +335,7 @@ class LinearSolver:
             if self.projection:
                 self.projection.restart()
             self._rounding = math.inf
-            kept.begin_system()
+            kept.begin_system(uses)
             return
         if grown and kept.ready and not kept.pattern_changed:
             kept.pattern_changed = True
@@ -357,10 +360,12 @@ class LinearSolver:
 
     def _why(self, again: bool) -> str:
         """Why the preconditioner is rebuilt before an iteration, for the log."""
-        if not (again and self.kept.ready):
+        if not again:
             return "another system"
         if not self.keeps:
             return "another matrix"
+        if self.kept.outdone:
+            return f"{self.name} has cost more than another preconditioner with its set-up would have"
         more, worth = self.refresh.extra_iterations, self.refresh.break_even
         return f"refactorisation criterion: {more:g} extra iterations, a refresh is worth {worth:.3g}"
 
