@@ -72,5 +72,6 @@ def test_on_a_body_of_triangles(tmp_path, on_ranks, size):
     )
     one, two = (found(tmp_path, on_ranks, scene, ranks, *words) for ranks in (1, 2))
     assert size > 0.2 or (one["parity"]["holds"] and two["parity"]["holds"])
-    for name in ("lowest", "potential"):
-        np.testing.assert_allclose(two["quantities"][name], one["quantities"][name], rtol=1e-3)
+    # Energies at rest are stationary; the lowest tip of a fold is not.
+    for name, within in (("potential", 1e-3), ("lowest", 5e-3)):
+        np.testing.assert_allclose(two["quantities"][name], one["quantities"][name], rtol=within)

@@ -44,9 +44,9 @@ def needle_dart(trial: Trial) -> Iterator[Statement]:
 
 
 def sliding_dart(trial: Trial) -> Iterator[Statement]:
-    """A dart slides to where 3 mm are left, into the corner, to where it has no room, and back, all of it undone."""
-    events = [*set_value("darts.dart.at", 0.94, 1.0, 0.99, 0.5), *[{"do": "undo"}] * 3]
-    made, rows = played(trial, square(0.05, pinned("top"), dart(0.1, 0.03)), events)
+    """A slanting dart slides to its edge's end, into the corner, to where it has no room, and back; all is undone."""
+    events = [*set_value("darts.dart.at", 0.9, 1.0, 0.99, 0.5), *[{"do": "undo"}] * 3]
+    made, rows = played(trial, square(0.05, pinned("top"), dart(0.1, 0.03) + 'angle = "45 deg"\n'), events)
     refused = [k for k, row in enumerate(rows) if row["refused"]]
     yield true("only that without room is refused, with the room", refused == [3] and "3 mm" in rows[3]["refused"])
     kept = [row for row in rows if not row["refused"]]
