@@ -59,6 +59,13 @@ def _timed(steps: Iterator[object]) -> Times:
     return times
 
 
+def _own_time(step: Callable[[], object]) -> float:
+    """Seconds of the processor of a step."""
+    before = time.thread_time()
+    step()
+    return time.thread_time() - before
+
+
 def _written(script: restshape.Script) -> list[dict[str, Any]]:
     # A hand gives no times.
     return [event.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude={"t"}) for event in script.events]
@@ -91,17 +98,15 @@ def _live(scene: restshape.Scene, script: restshape.Script) -> Times:
     worker = Worker(Link(there), live, GrowingScript(None), LiveRecording(None))
     worker.start()
 
-    def steps() -> Iterator[object]:
-        for number, event in enumerate(_written(script)):
-            page.send({"type": "event", "id": 1 + number, "event": event, "latest": event["do"] == "drag"})
-            while worker.waits():
-                worker.next()
-            # What the server and the page do is not of this process.
-            yield None
-            page.waiting()
+    def step(number: int, event: dict[str, Any]) -> float:
+        # What the server and the page do before and after is not of this process.
+        page.send({"type": "event", "id": 1 + number, "event": event, "latest": event["do"] == "drag"})
+        took = _own_time(worker.next)
+        page.waiting()
+        return took
 
     try:
-        return _timed(steps())
+        return [step(*one) for one in enumerate(_written(script))][1:]
     finally:
         live.close()
         here.close()

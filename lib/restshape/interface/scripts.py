@@ -25,6 +25,7 @@ PLACE = Path("script")
 TICKS = 1e4
 """Edit times in a second at which events begin that have no time of their own."""
 
+_LINE = json.JSONEncoder(allow_nan=False)
 MOTION = {"line", "t", "do", "to"}
 """What the motion of a hand to a place has, and no other event."""
 
@@ -168,7 +169,7 @@ class WrittenScript:
     def cut_line(self, frames: int) -> str:
         """The text of the last event as it would be after some of its frames; empty where it cannot end there."""
         table = self._cut(frames, ())
-        return json.dumps(table, allow_nan=False) if table else ""
+        return _LINE.encode(table) if table else ""
 
     def drop_last(self) -> None:
         """The last event has not been carried out."""
@@ -187,7 +188,7 @@ class WrittenScript:
 
     def last_line(self) -> str:
         """The text of the last event, without the end of its line."""
-        return json.dumps(self._tables[-1], allow_nan=False)
+        return _LINE.encode(self._tables[-1])
 
     @property
     def largest_gesture(self) -> int:
@@ -200,12 +201,12 @@ class WrittenScript:
 
     def header_line(self) -> str:
         """The text of the first line, without its end."""
-        return json.dumps(self._header.model_dump(exclude_defaults=True), allow_nan=False)
+        return _LINE.encode(self._header.model_dump(exclude_defaults=True))
 
     def text(self) -> str:
         """The text of the script so far."""
         lines = [self._header.model_dump(exclude_defaults=True), *self._tables]
-        return "".join(f"{json.dumps(line, allow_nan=False)}\n" for line in lines)
+        return "".join(f"{_LINE.encode(line)}\n" for line in lines)
 
     def script(self) -> Script:
         """The script so far."""

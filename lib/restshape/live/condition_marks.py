@@ -132,9 +132,12 @@ def arrows_of(
 
 def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:
     """Whether two keys are of the same objects, and of the same numbers."""
-    return len(these) == len(those) and all(
-        one == other if isinstance(one, int) else one is other for one, other in zip(these, those)
-    )
+    if len(these) != len(those):
+        return False
+    for one, other in zip(these, those):
+        if one is not other and not (isinstance(one, int) and one == other):
+            return False
+    return True
 
 
 def _equal(these: Reals | None, those: Reals | None) -> bool:

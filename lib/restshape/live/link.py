@@ -52,7 +52,7 @@ class Taken:
         self._bytes = bytearray()
         self.whole: list[Message] = []
 
-    def add(self, piece: bytes) -> None:
+    def add(self, piece: Buffer) -> None:
         """Takes bytes as they come.
 
         Raises:
@@ -102,6 +102,7 @@ class Link:
     def __init__(self, end: socket.socket) -> None:
         self._end, self._taken = end, Taken()
         self._before: list[Buffer] = []
+        self._room = memoryview(bytearray(CHUNK))
         end.setblocking(False)
 
     @classmethod
@@ -117,7 +118,7 @@ class Link:
         """
         closed: LinkClosed | None = None
         try:
-            while self._read():
+            while self._read() == CHUNK:
                 pass
         except LinkClosed as error:
             closed = error
@@ -143,18 +144,18 @@ class Link:
             self._read()
         return self._taken.whole.pop(0)
 
-    def _read(self) -> bool:
-        """Takes what is there; whether there was anything."""
+    def _read(self) -> int:
+        """Takes what is there; how many bytes, fewer than it may take at a time where nothing is left."""
         try:
-            piece = self._end.recv(CHUNK)
+            size = self._end.recv_into(self._room)
         except (BlockingIOError, InterruptedError):
-            return False
+            return 0
         except OSError as error:
             raise LinkClosed(str(error)) from error
-        if not piece:
+        if not size:
             raise LinkClosed("the other side has ended")
-        self._taken.add(piece)
-        return True
+        self._taken.add(self._room[:size])
+        return size
 
     def send(self, message: Mapping[str, object] | bytes) -> None:
         """Sends a message of text, waiting until the system has taken it.
@@ -180,8 +181,10 @@ class Link:
         """Sends pieces; mostly the system takes all at once, as they are."""
         size = sum(map(_bytes, pieces))
         whole = [*self._before, HEAD.pack(size, kind), *pieces]
-        size += HEAD.size + sum(map(_bytes, self._before))
-        self._before = []
+        size += HEAD.size
+        if self._before:
+            size += sum(map(_bytes, self._before))
+            self._before = []
         count = self._sent(whole[:MOST_PIECES])
         if count == size:
             return

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from operator import mul
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -15,8 +16,12 @@ if TYPE_CHECKING:
     from restshape.arrays import AnyArray, Reals
     from restshape.live.frame_arrays import PicturePart
 
+T = TypeVar("T", bound=Any)
+ALONG, AT_A_PLACE = (Lines, Arrows), (Words, Tone)
 STAYS = ("goal",)
 """Meanings of marks that lie where the deformed shape should come to be."""
+SPACE = 3
+"""Directions of displacements as they are drawn."""
 INSIDE = -1e-6
 """Least share of a corner at which a place still counts as inside a triangle."""
 
@@ -39,30 +44,40 @@ class MovedMarks:
         if shape is None:
             return marks
         now = shape.arrays["points"], shape.arrays["displacement"]
-        same = all(one is other for one, other in zip(now, self._on))
-        before = self._known if same else []
-        known: list[tuple[Mark, Mark]] = []
+        stays = now[0] is self._on[0] and now[1] is self._on[1]
+        before, known = self._known, list[tuple[Mark, Mark]]()
         drawn = _DrawnShape(*now, shape.arrays["cells"], self._around)
         for place, mark in enumerate(marks):
-            kept = place < len(before) and before[place][0] is mark
-            known.append(before[place] if kept else (mark, _with_moves(mark, drawn)))
+            last = before[place][1] if place < len(before) and before[place][0] is mark else None
+            known.append((mark, last if stays and last is not None else _with_moves(mark, drawn, last)))
         self._on, self._known = now, known
         return [drawn for _, drawn in known]
 
 
-def _with_moves(mark: Mark, shape: _DrawnShape) -> Mark:
-    """A mark with the displacements of its points, where it has points and says nothing of them itself."""
-    if isinstance(mark, Tone):
-        if mark.at is None:
-            return mark
-        return replace(mark, moved=shape.moves(np.array([mark.at], dtype=float))[0].tolist())
-    if not isinstance(mark, Lines | Arrows | Words) or mark.moved is not None or mark.meaning in STAYS:
+def _with_moves(mark: Mark, shape: _DrawnShape, last: Mark | None) -> Mark:
+    """A mark with the displacements of its points, where it has points and says nothing of them itself.
+
+    Args:
+        mark: of the application; shape: that moves it.
+        last: what became of the same mark in the frame before, which stays where it has not moved; None: nothing.
+    """
+    if (
+        not isinstance(mark, ALONG + AT_A_PLACE)
+        or mark.moved is not None
+        or (not isinstance(mark, Tone) and mark.meaning in STAYS)
+    ):
         return mark
-    if isinstance(mark, Words):
+    if isinstance(mark, AT_A_PLACE):
         if mark.at is None:
             return mark
-        return replace(mark, moved=shape.moves(np.array([mark.at], dtype=float))[0].tolist())
-    return replace(mark, moved=shape.moves(np.asarray(mark.points, dtype=float))) if len(mark.points) else mark
+        own = shape.moves([mark.at])[0]
+        return last if isinstance(last, AT_A_PLACE) and last.moved == own else replace(mark, moved=own)
+    if not len(mark.points):
+        return mark
+    moves = shape.moves(np.asarray(mark.points, dtype=float).tolist())
+    if isinstance(last, ALONG) and last.moved is not None and last.moved.tolist() == moves:
+        return last
+    return replace(mark, moved=np.array(moves))
 
 
 @dataclass(eq=False)
@@ -81,22 +96,21 @@ class _DrawnShape:
     around: dict[int, int]
     _asked: int = 0
 
-    def moves(self, places: Reals) -> Reals:
-        """Displacements (m, 3) [m] of places (m, d) [m]: those of the shape there; beside it, of its nearest node."""
-        # Points in the plane have two coordinates, and so may displacements have.
-        found, moved, d = np.zeros((len(places), 3)), self.displacement, self.points.shape[1]
-        own = found[:, : moved.shape[1]]
-        if not len(self.points):
-            return found
-        wanted = np.zeros((len(places), 3))
-        wanted[:, : places.shape[1]] = places
-        for row, place in enumerate(wanted):
-            shares = self._shares(place) if self._flat else None
-            if shares is not None:
-                own[row] = shares[1] @ moved[shares[0]]
-            else:
-                own[row] = moved[((self.points - place[:d]) ** 2).sum(axis=1).argmin()]
-        return found
+    def moves(self, places: Sequence[Sequence[float]]) -> list[list[float]]:
+        """Displacements [m] in space of places [m]: those of the shape there; beside it, of its nearest node."""
+        return [self._moves(place) if len(self.points) else [0.0] * SPACE for place in places]
+
+    def _moves(self, place: Sequence[float]) -> list[float]:
+        """The displacement in space of a place; numbers of Python, for those of so few points cost least."""
+        shares = self._shares(place) if self._flat else None
+        if shares is not None:
+            own = [sum(map(mul, shares[1], along)) for along in zip(*self.displacement[shares[0]].tolist())]
+        else:
+            # Points in the plane have two coordinates, and so may displacements have.
+            d = self.points.shape[1]
+            wanted = np.array([*place, *[0.0] * SPACE][:d])
+            own = self.displacement[((self.points - wanted) ** 2).sum(axis=1).argmin()].tolist()
+        return [*own, *[0.0] * (SPACE - len(own))]
 
     @cached_property
     def _flat(self) -> bool:
@@ -114,15 +128,19 @@ class _DrawnShape:
         a, b, c = self._corners.swapaxes(0, 1)
         return np.stack([np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)])
 
-    def _shares(self, place: Reals) -> tuple[AnyArray, Reals] | None:
-        """The nodes (3,) of the triangle around a place, and their shares (3,); None where there is none."""
+    def _shares(self, place: Sequence[float]) -> tuple[AnyArray, Sequence[float]] | None:
+        """The nodes (3,) of the triangle around a place, and their three shares; None where there is none."""
         self._asked += 1
         before = self.around.get(self._asked, len(self.cells))
         if before < len(self.cells):
             # Places go less far in a frame than to the next triangle.
-            shares = _shares_in(self.points[self.cells[[before]], :2].transpose(1, 2, 0).astype(float), place)[0]
-            if shares.min() >= 0.0:
-                return self.cells[before], shares
+            nodes = self.cells[before]
+            (ax, ay), (bx, by), (cx, cy) = self.points[nodes, :2].tolist()
+            own = (
+                _shares_of(ax, ay, bx, by, cx, cy, *place[:2]) if (bx - ax) * (cy - ay) != (cx - ax) * (by - ay) else ()
+            )
+            if own and min(own) >= INSIDE:
+                return nodes, own
         (left, low), (right, high) = self._box
         x, y = place[:2]
         near = np.flatnonzero((left <= x) & (x <= right) & (low <= y) & (y <= high))
@@ -134,15 +152,18 @@ class _DrawnShape:
         if inside[best] < INSIDE:
             return None
         self.around[self._asked] = int(near[best])
-        return self.cells[near[best]], shares[best]
+        return self.cells[near[best]], shares[best].tolist()
 
 
-def _shares_in(corners: Reals, place: Reals) -> Reals:
+def _shares_in(corners: Reals, place: Sequence[float]) -> Reals:
     """The shares (m, 3) of the corners (3, 2, m) of triangles at a place in the plane; NaN where one has no area."""
-    a, b, c = corners
-    x, y = place[:2]
-    area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
     with np.errstate(divide="ignore", invalid="ignore"):
-        second = ((x - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (y - a[1])) / area
-        third = ((b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1])) / area
-    return np.stack([1.0 - second - third, second, third], axis=1)
+        return np.stack(_shares_of(*corners.reshape(6, -1), *place[:2]), axis=1)
+
+
+def _shares_of(ax: T, ay: T, bx: T, by: T, cx: T, cy: T, x: float, y: float) -> tuple[T, T, T]:
+    """The shares of the corners a, b and c of a triangle at a place: of one by numbers, of many by arrays (m,)."""
+    area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
+    second = ((x - ax) * (cy - ay) - (cx - ax) * (y - ay)) / area
+    third = ((bx - ax) * (y - ay) - (x - ax) * (by - ay)) / area
+    return 1.0 - second - third, second, third

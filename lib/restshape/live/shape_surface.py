@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from typing import Protocol
 
 import numpy as np
@@ -106,7 +107,8 @@ class ShapeSurface:
     def _placed(self, key: str, values: Reals) -> AnyArray:
         """Places, or displacements, in space; those of before where they are the same."""
         found = sent_points(self._triangles.chosen(values))
-        if key == "displacement" and not np.isfinite(found).all():
+        # The sum of numbers is none where one of them is none.
+        if key == "displacement" and not isfinite(np.add.reduce(found, axis=None)):
             found = np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
         return self._kept(key, found)
 
@@ -124,7 +126,9 @@ class ShapeSurface:
         if values.ndim == 2 and not (in_cells and values.shape[1] == self._triangles.cell_size):
             scalar = np.linalg.norm(values, axis=1)
         shown = self._triangles.spread(scalar) if in_cells else self._triangles.chosen(scalar)
-        low, high = float(scalar.min(initial=np.inf)), float(scalar.max(initial=-np.inf))
+        flat = scalar.ravel()
+        low = float(np.minimum.reduce(flat, initial=np.inf))
+        high = float(np.maximum.reduce(flat, initial=-np.inf))
         if not (np.isfinite(low) and np.isfinite(high)):
             finite = scalar[np.isfinite(scalar)]
             low, high = (float(finite.min()), float(finite.max())) if finite.size else (np.inf, np.inf)
