@@ -1,9 +1,10 @@
 from __future__ import annotations
+import collections.abc
 import numpy
 import numpy.typing
 import typing
 
-__all__: list[str] = ["Furniture"]
+__all__: list[str] = ["Furniture", "free_ends"]
 
 class Furniture:
     class Mixed:
@@ -40,7 +41,11 @@ class Furniture:
         def __init__(
             self, furniture: Furniture, compliances: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]
         ) -> None: ...
-        def forget(self) -> None: ...
+        def decide(
+            self,
+            gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+            spread: typing.SupportsFloat | typing.SupportsIndex,
+        ) -> bool: ...
         def test(
             self,
             gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
@@ -118,3 +123,14 @@ class Furniture:
     ) -> tuple: ...
     @property
     def parts(self) -> int: ...
+
+def free_ends(
+    centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    axes: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    size: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    joints: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    feet: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    floor: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    near: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    planks: collections.abc.Sequence[typing.SupportsInt | typing.SupportsIndex],
+) -> list: ...

@@ -45,6 +45,7 @@ from restshape_apps.furniture.physics.furniture import (
 from restshape_apps.furniture.physics.joint_compliance import ComplianceModels
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.shape.design_modes import DesignModes
+from restshape_apps.furniture.shape.free_ends import free_ends_at
 from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 from restshape.findings import Finding
@@ -229,12 +230,11 @@ class Design:
 
         def clear(t: float) -> bool:
             gamma = t * design_direction.direction
-            piece = self.furniture.moved(gamma)
-            if free(piece) or (self._models.may_decide(gamma) and depends(piece)):
+            raw = self.furniture.kernel.shape(gamma)
+            if free_ends_at(self.piece, raw["centre"], raw["axes"], raw["size"]) or self._models.decide(gamma):
                 return False
-            return not violated_limits(piece, {}, self.guidance.bending)
+            return not self.guidance.bending or not violated_limits(self.furniture.moved(gamma), {}, True)
 
-        self._models.forget()
         for low, high in design_direction.ranges.intervals.tolist():
             sure = self._sure(design_direction.direction, low, high).intervals.tolist()
             found += complement(clear_ranges(clear, sure, least), low, high, least)

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "derivative.hpp"
+#include "free_ends.hpp"
 #include "furniture.hpp"
 #include "joint_utilisation.hpp"
 #include "many_springs.hpp"
@@ -219,10 +220,54 @@ py::tuple tested(ManySprings& m, const std::optional<Doubles>& gamma, int ending
     return py::make_tuple(found.flaws, utilisations);
 }
 
+py::list missed(const Doubles& centre, const Doubles& axes, const Doubles& size, const Integers& joints,
+                const Integers& feet, const Doubles& floor, const Doubles& near, const std::vector<int>& planks) {
+    const int n = static_cast<int>(size.size() / 3);
+    require(centre.size() == 3 * n && axes.size() == 9 * n && size.size() == 3 * n, "planks: sizes differ");
+    require(joints.size() % 3 == 0 && feet.size() % 2 == 0, "a joint has 3 numbers, a foot 2");
+    require(floor.size() == 6 && near.size() == 7, "the floor has 6 numbers, nearness 7");
+    const auto plank = [n](int k) {
+        require(k >= 0 && k < n, "no such plank");
+        return k;
+    };
+    LyingPlanks lying;
+    for (int i = 0; i < n; ++i) {
+        lying.centre.push_back(three(centre.data() + 3 * i)), lying.size.push_back(three(size.data() + 3 * i));
+        lying.axes.emplace_back();
+        std::copy_n(axes.data() + 9 * i, 9, lying.axes.back().begin());
+    }
+    lying.held.assign(6 * n, 0);
+    const auto hold = [&](int of, int side) {
+        require(side >= 0 && side < 6, "no such side");
+        lying.held[6 * plank(of) + side] = 1;
+    };
+    for (const int* j = joints.data(); j != joints.data() + joints.size(); j += 3) {
+        hold(j[0], j[1]);
+        lying.joined.emplace_back(j[0], plank(j[2])), lying.joined_side.push_back(j[1]);
+    }
+    for (const int* f = feet.data(); f != feet.data() + feet.size(); f += 2) hold(f[0], f[1]);
+    lying.floor_point = three(floor.data()), lying.floor_normal = three(floor.data() + 3);
+    for (int k : planks) plank(k);
+    const double* m = near.data();
+    py::list found;
+    for (const FreeEnd& one : free_ends(lying, {m[0], m[1], m[2], m[3], m[4], m[5], m[6]}, planks))
+        found.append(py::make_tuple(one.plank, one.side, one.other, one.gap, one.aside, one.tilted,
+                                    py::make_tuple(one.way[0], one.way[1], one.way[2]), one.edge));
+    return found;
+}
+
 void bind_many_springs(py::class_<Furniture>& c) {
     py::class_<ManySprings>(c, "ManySprings")
         .def(py::init(&many_springs), "furniture"_a, "compliances"_a)
-        .def("forget", &ManySprings::forget, "Starts the next test from rest.")
+        .def(
+            "decide",
+            [](ManySprings& m, const Doubles& gamma, double spread) {
+                require(gamma.size() == m.parameters(), "gamma must have 8 numbers a plank");
+                return m.decide(gamma.data(), spread);
+            },
+            "gamma"_a, "spread"_a,
+            "Whether the piece bears its loads with some of the springs alone, by reason of a joint whose utilisation "
+            "differs by more than `spread`.")
         .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
              "Flaws (bits), and the largest utilisation (m, j) of each joint over all cases, with each of the springs: "
              "up to the first with a flaw of `ending`.");
@@ -304,6 +349,11 @@ PYBIND11_MODULE(_kernels, m) {
     c.attr("LOST") = int(lost), c.attr("OVERLAPPING") = int(overlapping), c.attr("UNSTABLE") = int(unstable);
     c.attr("WEAK") = int(weak), c.attr("UNBALANCED") = int(unbalanced), c.attr("APART") = int(apart);
     c.attr("DOUBTFUL") = int(doubtful);
+    m.def(
+        "free_ends", &missed, "centre"_a, "axes"_a, "size"_a, "joints"_a, "feet"_a, "floor"_a, "near"_a, "planks"_a,
+        "Ends of some planks that nothing holds and what they missed: plank, side, other plank, gap, how far aside, "
+        "whether tilted, the way sideways, and whether it meets an edge. joints: plank, side and other plank of each; "
+        "feet: plank and side; floor: point and normal.");
     bind_mixed(c);
     bind_many_springs(c);
 }

@@ -1,9 +1,42 @@
 // The order, the factors and the solutions of a matrix of blocks.
 #include "blocks.hpp"
 
-#include <Eigen/LU>
+#include <cmath>
+#include <utility>
 
 namespace restshape::planks {
+
+namespace {
+
+// The inverse by Gauss and Jordan's elimination in place with row pivots. Rows are padded to whole registers, and
+// changed as a whole: a number that is written into a row would have to reach the memory before the row is read.
+Block inverse_of(const Block& block) {
+    using Row = Eigen::Array<double, 8, 1>;
+    static const Eigen::Array<double, 8, 8> units = Eigen::Matrix<double, 8, 8>::Identity(), rest = 1.0 - units;
+    Row rows[6];
+    for (int r = 0; r < 6; ++r) rows[r] << block.row(r).transpose().array(), 0.0, 0.0;
+    int from[6];
+    for (int k = 0; k < 6; ++k) {
+        from[k] = k;
+        for (int r = k + 1; r < 6; ++r)
+            if (std::abs(rows[r][k]) > std::abs(rows[from[k]][k])) from[k] = r;
+        if (from[k] != k) std::swap(rows[k], rows[from[k]]);
+        const auto unit = units.col(k), others = rest.col(k);
+        const double part = 1.0 / rows[k][k];
+        rows[k] = (rows[k] * others + unit) * part;
+        for (int r = 0; r < 6; ++r) {
+            const double factor = rows[r][k];
+            if (r != k) rows[r] = rows[r] * others - factor * rows[k];
+        }
+    }
+    Block inverse;
+    for (int r = 0; r < 6; ++r) inverse.row(r) = rows[r].head<6>().matrix().transpose();
+    for (int k = 5; k >= 0; --k)
+        if (from[k] != k) inverse.col(k).swap(inverse.col(from[k]));
+    return inverse;
+}
+
+}  // namespace
 
 Blocks::Blocks(int n, const std::vector<std::pair<int, int>>& pairs) : n_(n), order_(n), slot_(n * n, -1) {
     std::vector<char> linked(n * n, 0), gone(n, 0);
@@ -38,7 +71,7 @@ Blocks::Blocks(int n, const std::vector<std::pair<int, int>>& pairs) : n_(n), or
 void Blocks::factor() {
     for (int step = 0; step < n_; ++step) {
         const int k = order_[step];
-        inverse_[step] = at(k, k).inverse();
+        inverse_[step] = inverse_of(at(k, k));
         for (int i : later_[step]) {
             Block& lower = at(i, k);
             const Block quotient = lower * inverse_[step];

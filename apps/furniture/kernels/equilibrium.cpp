@@ -14,6 +14,13 @@ inline Eigen::Matrix3d spin(const V3<double>& a) {
     return m;
 }
 
+namespace {
+
+// Whether two residuals are equal but for rounding.
+bool same(double one, double other) { return std::abs(one - other) <= 1e-12 * other; }
+
+}  // namespace
+
 Equilibrium::Equilibrium(const Piece& piece) : P(piece), parts_(parts_of(piece)), plank_part_(piece.count()) {
     std::vector<std::pair<int, int>> pairs;
     for (const JointSpec& joint : P.joints) pairs.emplace_back(joint.i, joint.j);
@@ -94,8 +101,8 @@ int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::
     double scale = 0.0;
     for (int i = 0; i < P.count(); ++i) scale += shape.mass[i] * std::abs(P.gravity[2]);
     for (const auto& f : P.cases[load_case]) scale += std::sqrt(dot(f, f));
-    std::vector<double> r(n);
-    double last = 1e300;
+    std::vector<double> r(n), slope;
+    double last = 1e300, before[4] = {1e300, 1e300, 1e300, 1e300};
     bool exact = false, fresh = false;
     const int most = law == Law::bilateral ? 25 : 40;
     for (int step = 0; step < most; ++step) {
@@ -106,13 +113,17 @@ int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::
         if (norm <= 1e-11 * scale) return step;
         // A residual that stays small is rounding.
         if (norm <= 1e-8 * scale && norm > 0.5 * last) return step;
+        // Contacts that come and go in turns do so for ever.
+        if (law == Law::unilateral && same(norm, before[1]) && same(before[0], before[2]) && same(norm, before[3]))
+            return -1;
+        std::copy_backward(before, before + 3, before + 4), before[0] = norm;
         if (!fresh || norm > 0.1 * last) {
             exact = exact || (law == Law::bilateral && fresh);
             stiffness(shape, law, x.data(), exact);
             blocks_.factor();
             fresh = true;
         }
-        std::vector<double> slope = r;
+        if (law == Law::bounded) slope = r;
         blocks_.solve(r);
         if (law == Law::bounded) {
             search(shape, load_case, slope, r, x);
@@ -216,16 +227,18 @@ Block Equilibrium::exact_contact(const Contact<double>& contact, Law law, const 
 }
 
 Block Equilibrium::small_contact(const Contact<double>& contact, Law law, const double* x, double bound) const {
-    using D = Dual<3>;
-    const V3<double> moved = V3<double>{x[0], x[1], x[2]} + cross(V3<double>{x[3], x[4], x[5]}, contact.arm);
-    const V3<D> v{D::seed(moved[0], 0), D::seed(moved[1], 1), D::seed(moved[2], 2)};
-    const V3<D> f = contact_force(v, contact.normal, contact.mu, floor(), law, bound);
-    Eigen::Matrix3d stiffness;
-    for (int a = 0; a < 3; ++a)
-        for (int b = 0; b < 3; ++b) stiffness(a, b) = -f[a].d[b];
-    Eigen::Matrix<double, 3, 6> way;
-    way << Eigen::Matrix3d::Identity(), -spin(contact.arm);
-    return way.transpose() * stiffness * way;
+    const V3<double> v = V3<double>{x[0], x[1], x[2]} + cross(V3<double>{x[3], x[4], x[5]}, contact.arm);
+    const M3<double> k = contact_stiffness(v, contact.normal, contact.mu, floor(), law, bound);
+    Block block;
+    // A turn w displaces the point by w x arm, and a force there has the moment arm x force.
+    const auto put = [&](int c, const V3<double>& force) {
+        const V3<double> moment = cross(contact.arm, force);
+        for (int a = 0; a < 3; ++a) block(a, c) = force[a], block(3 + a, c) = moment[a];
+    };
+    V3<double> rows[3];
+    for (int a = 0; a < 3; ++a) rows[a] = cross(contact.arm, V3<double>{k[3 * a], k[3 * a + 1], k[3 * a + 2]});
+    for (int c = 0; c < 3; ++c) put(c, column(k, c)), put(3 + c, {rows[0][c], rows[1][c], rows[2][c]});
+    return block;
 }
 
 Block Equilibrium::load_stiffness(const Shape<double>& shape, size_t k, const double* x) const {

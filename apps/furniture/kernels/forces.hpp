@@ -88,4 +88,32 @@ V3<T> contact_force(const V3<T>& v, const V3<double>& n, double mu, double k, La
     return force + along;
 }
 
+// The stiffness of such a contact, less the derivative of its force by v.
+inline M3<double> contact_stiffness(const V3<double>& v, const V3<double>& n, double mu, double k, Law law,
+                                    double bound = 0.0) {
+    const double pressed = dot(v, n) * -k;
+    const bool apart = law != Law::bilateral && pressed <= 0.0;
+    M3<double> stiffness{};
+    if (apart && law == Law::unilateral) return stiffness;
+    double across = 0.0;  // of what is normal to n, but along t
+    V3<double> t{0.0, 0.0, 0.0};
+    if (mu != 0.0) {
+        across = k;
+        const V3<double> along = scaled(v + scaled(n, pressed / k), -k);
+        const double size2 = dot(along, along), most = law == Law::bounded ? bound : mu * pressed;
+        if (law != Law::bilateral && size2 > most * most) {
+            const double size = std::sqrt(size2);
+            across = k * most / size;
+            t = scaled(along, 1.0 / size);
+        }
+    }
+    const double along_n = (apart ? 0.0 : k) - across, falls = law == Law::unilateral ? mu * k : 0.0;
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+            stiffness[3 * r + c] = along_n * n[r] * n[c] - across * t[r] * t[c] + falls * t[r] * n[c];
+        stiffness[4 * r] += across;
+    }
+    return stiffness;
+}
+
 }  // namespace restshape::planks

@@ -48,11 +48,11 @@ bool Furniture::hold(const double* gamma, int wanted, bool quick, DesignCheck& c
     if (!check.overlaps.empty()) check.flaws |= overlapping;
     if (quick && (check.flaws & wanted)) return false;
     stand(check);
+    equilibrium_->find_free(shape_);
     return !(quick && (check.flaws & wanted));
 }
 
 void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations) {
-    equilibrium_->find_free(shape_);
     std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, Load::pull}), doubts = most;
     for (size_t c = 0; c < P.cases.size(); ++c) {
         equilibrate(static_cast<int>(c));
@@ -64,6 +64,15 @@ void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations) {
     for (const Overloaded& one : doubts)
         if (one.joint >= 0) check.doubts.push_back(one), check.flaws |= doubtful;
     if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
+}
+
+bool Furniture::springs_rest() {
+    CaseState state;
+    for (size_t c = 0; c < P.cases.size(); ++c) {
+        state.x.assign(6 * P.count(), 0.0);
+        if (equilibrium_->solve(shape_, static_cast<int>(c), Law::bilateral, state.x) < 0 || wild(state)) return false;
+    }
+    return true;
 }
 
 void Furniture::set_compliance(double joint_t, double joint_r, double floor) {

@@ -61,11 +61,12 @@ class Furniture {
     // The second half: equilibria, and what joints bear; where asked for, the largest utilisation of each.
     void bear(DesignCheck& check, std::vector<double>* utilisations = nullptr);
 
+    // Whether each case has an equilibrium with springs that also pull, found from rest: what `bear` finds is so
+    // balanced.
+    bool springs_rest();
+
     // Gives the springs other compliances [m/N], [rad/(N m)], [m/N], for equilibria from now on.
     void set_compliance(double joint_t, double joint_r, double floor);
-
-    // Takes the states of all cases from elsewhere, which gets the present ones.
-    void swap_states(std::vector<CaseState>& states) { states_.swap(states); }
 
     // Narrows a bracket of a parameter t along a direction (8 a plank), of whose ends one is free of what is wanted
     // away, until it is within a tolerance; gives the number of tests.

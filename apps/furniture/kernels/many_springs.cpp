@@ -1,37 +1,58 @@
 // The tests of a piece with many springs: what no compliance changes is tested once.
 #include "many_springs.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace restshape::planks {
 
 ManySprings::ManySprings(Piece piece, std::vector<Springs> springs)
-    : model_(std::move(piece)), springs_(std::move(springs)), states_(springs_.size(), model_.states()) {}
-
-void ManySprings::forget() {
-    for (auto& states : states_) model_.swap_states(states), model_.forget(), model_.swap_states(states);
-}
+    : model_(std::move(piece)), springs_(std::move(springs)) {}
 
 ManySprings::Found ManySprings::test(const double* gamma, int ending) {
     Found found;
     DesignCheck held;
     const bool goes_on = model_.hold(gamma, every_flaw, false, held);
-    std::vector<double> left;
-    for (const CaseState& state : model_.states()) left.push_back(state.unbalanced_load);
-    for (size_t k = 0; k < springs_.size(); ++k) {
+    for (const Springs& springs : springs_) {
         DesignCheck check = held;
         std::vector<double> utilisations(joints(), 0.0);
-        if (goes_on) {
-            auto& states = states_[k];
-            for (size_t c = 0; c < states.size(); ++c) states[c].unbalanced_load = left[c];
-            model_.set_compliance(springs_[k].eps_t, springs_[k].eps_r, springs_[k].eps_floor);
-            model_.swap_states(states);
-            model_.bear(check, &utilisations);
-            model_.swap_states(states);
-        }
+        if (goes_on) bear(springs, check, utilisations);
         found.flaws.push_back(check.flaws & every_flaw);
         found.utilisations.push_back(std::move(utilisations));
         if (check.flaws & ending) break;
     }
     return found;
+}
+
+bool ManySprings::decide(const double* gamma, double spread) {
+    DesignCheck held;
+    if (!model_.hold(gamma, every_flaw, false, held) || (held.flaws & every_flaw)) return false;
+    std::vector<double> low(joints(), std::numeric_limits<double>::infinity()), high(joints(), 0.0);
+    bool bears = false, breaks = false, found = false;
+    for (const Springs& springs : springs_) {
+        DesignCheck check;
+        std::vector<double> utilisations(joints(), 0.0);
+        // What is found already can only be undone by a case without an equilibrium.
+        if (found) {
+            set(springs);
+            if (!model_.springs_rest()) return false;
+            continue;
+        }
+        bear(springs, check, utilisations);
+        if (check.flaws & unbalanced) return false;
+        (check.flaws & weak ? breaks : bears) = true;
+        for (int k = 0; k < joints(); ++k) {
+            low[k] = std::min(low[k], utilisations[k]), high[k] = std::max(high[k], utilisations[k]);
+            found = found || (bears && breaks && low[k] <= 1.0 && high[k] > 1.0 && high[k] > low[k] + spread);
+        }
+    }
+    return found;
+}
+
+void ManySprings::bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations) {
+    set(springs);
+    model_.forget();
+    model_.bear(check, &utilisations);
 }
 
 }  // namespace restshape::planks

@@ -15,15 +15,18 @@ class ManySprings {
     ManySprings(Piece piece, std::vector<Springs> springs);
 
     // What a full test at design parameters (8 a plank) finds with each of the springs: its flaws, as bits, and the
-    // largest utilisation of each joint over all cases. It ends at the first springs with a flaw of `ending`.
+    // largest utilisation of each joint over all cases. Each equilibrium is found from rest. It ends at the first
+    // springs with a flaw of `ending`.
     struct Found {
         std::vector<int> flaws;
         std::vector<std::vector<double>> utilisations;
     };
     Found test(const double* gamma, int ending);
 
-    // Starts the next test from rest.
-    void forget();
+    // Whether some of the springs alone let a piece at design parameters (8 a plank) bear its loads, by reason of a
+    // joint whose utilisation differs by more than `spread`. Each equilibrium is found from rest, and fewer where that
+    // will do.
+    bool decide(const double* gamma, double spread);
 
     int joints() const { return static_cast<int>(model_.piece().joints.size()); }
     int parameters() const { return freedoms * model_.piece().count(); }
@@ -31,7 +34,11 @@ class ManySprings {
  private:
     Furniture model_;
     std::vector<Springs> springs_;
-    std::vector<std::vector<CaseState>> states_;  // of each of the springs
+
+    // Equilibria of the shape that is held, found from rest, and what joints bear.
+    void bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations);
+
+    void set(const Springs& springs) { model_.set_compliance(springs.eps_t, springs.eps_r, springs.eps_floor); }
 };
 
 }  // namespace restshape::planks

@@ -1,9 +1,16 @@
 // Parts by a union of planks along joints, and the eigenvectors that no contact stiffens.
 #include "parts.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 namespace restshape::planks {
+
+namespace {
+
+constexpr double least_eigenvalue = 1e-9;  // in parts of the largest, of a motion that is held
+
+}  // namespace
 
 std::vector<Part> parts_of(const Piece& piece) {
     const int n = piece.count();
@@ -35,12 +42,16 @@ std::vector<Motion> free_motions(const Eigen::Matrix<double, 6, 6>& stiffness, d
     Motion scale;
     scale << 1, 1, 1, 1, 1, 1;
     if (reach > 0.0) scale.tail<3>().setConstant(1.0 / reach);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> found(scale.asDiagonal() * stiffness *
-                                                                           scale.asDiagonal());
+    using Six = Eigen::Matrix<double, 6, 6>;
+    const Six scaled = scale.asDiagonal() * stiffness * scale.asDiagonal();
+    // Where all eigenvalues are a thousand times what counts as none, as they mostly are, factors say so.
+    if (Eigen::LLT<Six>(scaled - 1e3 * least_eigenvalue * scaled.trace() * Six::Identity()).info() == Eigen::Success)
+        return {};
+    const Eigen::SelfAdjointEigenSolver<Six> found(scaled);
     const double most = std::max(found.eigenvalues()[5], 1e-300);
     std::vector<Motion> free;
     for (int m = 0; m < 6; ++m)
-        if (found.eigenvalues()[m] <= 1e-9 * most)
+        if (found.eigenvalues()[m] <= least_eigenvalue * most)
             free.push_back((scale.asDiagonal() * found.eigenvectors().col(m)).normalized());
     return free;
 }

@@ -79,18 +79,25 @@ M3<T> spun(const V3<T>& w, const T& s, const T& a, const T& b, double one) {
     return m;
 }
 
+// Parts by which each term of the series of turns is less than the one before it.
+constexpr int most_turn_terms = 18;
+constexpr auto turn_terms = [] {
+    std::array<std::array<double, most_turn_terms + 1>, 3> terms{};
+    for (int order = 1; order <= 3; ++order)
+        for (int k = 1; k <= most_turn_terms; ++k)
+            terms[order - 1][k] = 1.0 / ((2.0 * k + order) * (2.0 * k + order - 1.0));
+    return terms;
+}();
+
 // The series have no root and no quotient, so their derivatives are right at 0; they hold up to half a turn.
 template <class T>
 Turn<T> turn(const V3<T>& w) {
     const T s = dot(w, w);
-    const int terms = value(s) < 1e-4 ? 4 : value(s) < 1.0 ? 9 : 18;
+    const int terms = value(s) < 1e-4 ? 4 : value(s) < 1.0 ? 9 : most_turn_terms;
     T series[3];
     for (int order = 1; order <= 3; ++order) {
         T sum(1.0);
-        for (int k = terms; k > 0; --k) {
-            const double first = 2.0 * k + order;
-            sum = 1.0 - sum * s * (1.0 / (first * (first - 1.0)));
-        }
+        for (int k = terms; k > 0; --k) sum = 1.0 - sum * s * turn_terms[order - 1][k];
         series[order - 1] = order == 3 ? sum * (1.0 / 6.0) : order == 2 ? sum * 0.5 : sum;
     }
     return {spun(w, s, series[0], series[1], 0.0), spun(w, s, series[1], series[2], 1.0)};

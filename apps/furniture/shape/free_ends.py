@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from restshape_apps.furniture import _kernels
 from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_edits import connected
 from restshape_apps.furniture.shape.planks import EDGE, FLUSH, LEAST_SLANT, SIDES, Piece, Plank
@@ -109,10 +110,6 @@ def to_a_face(name: str, other: str) -> str:
     return f"let {name} meet a broad face, or turn {other}"
 
 
-Boxes = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Middles (n, 3), axes (n, 3, 3) and sizes (n, 3) of planks."""
-
-
 def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEnd, ...]:
     """The free ends along the longer sides of planks that come short of a face, pass it, or pass beside it.
 
@@ -120,94 +117,41 @@ def free_ends(piece: Piece, planks: Iterable[int] | None = None) -> tuple[FreeEn
         piece: whose joints and feet are known.
         planks: that are looked at; None: all.
     """
-    taken = _taken(piece)
-    found, centres = [], np.array([plank.centre for plank in piece.planks])
-    axes, sizes = np.array([plank.axes for plank in piece.planks]), np.array([plank.size for plank in piece.planks])
-    normals, boxes = axes[:, :, 2], (centres, axes, sizes)
-    for i in range(len(piece.planks)) if planks is None else planks:
-        along = int(np.argmax(piece.planks[i].size[:2]))
-        for side in (2 * along, 2 * along + 1):
-            if (i, side) in taken:
-                continue
-            missed = [one for one in _missed(piece, i, side, _ahead(piece, i, side, centres, normals)) if one]
-            missed += _at_edges(piece, i, side, boxes)
-            if missed:
-                found.append(min(missed, key=lambda one: abs(one.gap) + one.aside))
-    return tuple(found)
+    parts = zip(*((plank.centre, plank.axes, plank.size) for plank in piece.planks))
+    centre, axes, size = (np.array(one) for one in parts)
+    return free_ends_at(piece, centre, axes, size, planks)
+
+
+def free_ends_at(
+    piece: Piece, centre: np.ndarray, axes: np.ndarray, size: np.ndarray, planks: Iterable[int] | None = None
+) -> tuple[FreeEnd, ...]:
+    """The same of a piece whose planks lie elsewhere.
+
+    Args:
+        piece: whose joints and feet are known.
+        centre, axes, size: (n, 3), (n, 3, 3), (n, 3) of the planks.
+        planks: that are looked at; None: all.
+    """
+    looked = range(len(piece.planks)) if planks is None else planks
+    joints = [number for joint in piece.joints for number in (joint.i, joint.side, joint.j)]
+    feet = [number for foot in piece.feet for number in (foot.plank, foot.side)]
+    floor, near = piece.planes[0], (piece.reach, FAR, ASIDE, BEYOND, FLUSH, EDGE, LEAST_SLANT)
+    found = _kernels.free_ends(
+        centre,
+        axes,
+        size,
+        np.array(joints, np.int32),
+        np.array(feet, np.int32),
+        (*floor.point, *floor.normal),
+        near,
+        list(looked),
+    )
+    return tuple(FreeEnd(*one) for one in found)
 
 
 def _taken(piece: Piece) -> set[tuple[int, int]]:
     """Planks and sides that are joined to a face, or stand on the floor."""
     return {(joint.i, joint.side) for joint in piece.joints} | {(foot.plank, foot.side) for foot in piece.feet}
-
-
-def _missed(piece: Piece, i: int, side: int, others: Iterable[int]) -> list[FreeEnd | None]:
-    """What an end may have missed of those planks, and the floor."""
-    return [_before(piece, i, side, j) for j in others if j != i] + [_above(piece, i, side)]
-
-
-def _ahead(piece: Piece, i: int, side: int, centres: np.ndarray, normals: np.ndarray) -> list[int]:
-    """The planks that an end looks at from near, by their middles and normals (n, 3): it has not missed others."""
-    axis = piece.planks[i].axes[:, side // 2] * (1.0 if side % 2 else -1.0)
-    slopes = normals @ axis
-    away = np.abs(((centres - piece.planks[i].end(side)) * normals).sum(axis=1))
-    reach = np.array([FAR + BEYOND + float(plank.size[2]) for plank in piece.planks])
-    return np.flatnonzero((np.abs(slopes) > LEAST_SLANT) & (away <= reach)).tolist()
-
-
-def _at_edges(piece: Piece, i: int, side: int, boxes: Boxes) -> list[FreeEnd]:
-    """The end before edges of planks, no farther than joints reach."""
-    one, (centres, axes, sizes) = piece.planks[i], boxes
-    axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
-    half = 0.5 * one.size[1 - side // 2] * one.axes[:, 1 - side // 2]
-    # Along the axes of each plank (n, 3); k: the one that the end looks along.
-    way, along = axis @ axes, half @ axes
-    place = ((one.end(side) - centres)[:, None, :] @ axes)[:, 0]
-    every, k = np.arange(len(centres)), np.argmax(np.abs(way), axis=1)
-    gap = (-np.sign(way[every, k]) * 0.5 * sizes[every, k] - place[every, k]) / way[every, k]
-    beside = np.abs(place + gap[:, None] * way) - np.abs(along) - 0.5 * sizes
-    most = np.maximum(beside[every, 1 - k], beside[:, 2])
-    at = np.flatnonzero((k < 2) & (gap >= -FLUSH) & (gap <= piece.reach) & (most < -FLUSH)).tolist()
-    joined = {i} | {k for joint in piece.joints for k in (joint.i, joint.j) if i in (joint.i, joint.j)} if at else {i}
-    return [FreeEnd(i, side, j, float(gap[j]), 0.0, False, edge=True) for j in at if j not in joined]
-
-
-def _before(piece: Piece, i: int, side: int, j: int) -> FreeEnd | None:
-    """The end before, in or beside a face of plank j; None where it is far from it."""
-    one, other = piece.planks[i], piece.planks[j]
-    axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
-    slope = float(axis @ other.axes[:, 2])
-    if abs(slope) <= LEAST_SLANT:
-        return None
-    place, way = other.axes.T @ (one.end(side) - other.centre), other.axes.T @ axis
-    gap = float((-np.sign(slope) * 0.5 * other.size[2] - place[2]) / slope)
-    most = min(FAR, 0.5 * float(one.size[side // 2]))
-    if not -most <= gap <= most:
-        return None
-    half = np.abs(0.5 * one.size[1 - side // 2] * (other.axes.T @ one.axes[:, 1 - side // 2]))
-    place = (place + gap * way)[:2]
-    # The line of the end, not its middle alone, may meet the face.
-    beside = np.abs(place) - 0.5 * other.size[:2] - half[:2]
-    aside = float(np.linalg.norm(np.where(beside > EDGE, beside, 0.0)))
-    # What only touches it with a strip, or would take its end from planks that it carries, was not drawn to end there.
-    through = beside.max() < -FLUSH and bool(np.all(np.abs(place) <= 0.5 * other.size[:2] + EDGE))
-    if gap < -piece.reach and _carries(piece, i, side, gap):
-        return None
-    # A line that reaches the side of a face does not lie on it.
-    passes = bool(aside or np.any((beside > -EDGE) & (half[:2] > EDGE)))
-    joined = any({joint.i, joint.j} == {i, j} for joint in piece.joints)
-    if aside > ASIDE or joined or not (through or gap >= -min(BEYOND, other.size[2] + piece.reach)):
-        return None
-    sideways = onto(place, half[:2] + half_thick(one, other), other.size[:2]) if passes else np.zeros(2)
-    return FreeEnd(i, side, j, gap, aside, bool(half[2] > piece.reach), tuple((other.axes[:, :2] @ sideways).tolist()))
-
-
-def _carries(piece: Piece, i: int, side: int, gap: float) -> bool:
-    """Whether ends of planks are joined to the part of a plank that it loses with an end `gap` from where it is."""
-    one = piece.planks[i]
-    axis = one.axes[:, side // 2] * (1.0 if side % 2 else -1.0)
-    ends = (piece.planks[joint.i].end(joint.side) for joint in piece.joints if joint.j == i)
-    return any(float((end - one.end(side)) @ axis) > gap for end in ends)
 
 
 def goes_through(one: Plank, other: Plank) -> bool:
@@ -234,17 +178,3 @@ def onto(place: np.ndarray, half: np.ndarray, size: np.ndarray) -> np.ndarray:
     """The shortest way (2,) of an end that is `half` (2,) wide from a place (2,) onto all of a face of a size (2,)."""
     room = np.maximum(0.5 * size - half, 0.0)
     return np.clip(place, -room, room) - place
-
-
-def _above(piece: Piece, i: int, side: int) -> FreeEnd | None:
-    """The end above the floor, as the foot of a leg that is too short; None where it is far from it."""
-    plank, floor = piece.planks[i], piece.planes[0]
-    normal = np.array(floor.normal)
-    slope = -float(plank.axes[:, side // 2] @ normal) * (1.0 if side % 2 else -1.0)
-    if slope <= LEAST_SLANT:
-        return None
-    gap = float((plank.end(side) - np.array(floor.point)) @ normal) / slope
-    if abs(gap) > min(FAR, 0.5 * float(plank.size[side // 2])):
-        return None
-    tilt = 0.5 * float(plank.size[1 - side // 2]) * abs(float(plank.axes[:, 1 - side // 2] @ normal))
-    return FreeEnd(i, side, -1, gap, 0.0, tilt > piece.reach)

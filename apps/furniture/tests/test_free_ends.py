@@ -1,9 +1,11 @@
 """Ends that nothing holds: what they missed, and by how much."""
 
+import numpy as np
 import pytest
+from restshape_apps.furniture.physics.furniture import Furniture
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.session.plank_changes import drawn as drawn_in
-from restshape_apps.furniture.shape.free_ends import free_ends
+from restshape_apps.furniture.shape.free_ends import free_ends, free_ends_at
 from restshape_apps.furniture.shape.plank_scene import piece_of
 from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench
 
@@ -134,3 +136,12 @@ def test_an_end_is_not_shortened_off_the_planks_that_carry_it(tmp_path) -> None:
     found = piece(tmp_path, more=across + posts)
     assert sum(joint.j == found.index("rail") for joint in found.joints) == 2
     assert not [one for one in free_ends(found) if one.plank == found.index("rail")]
+
+
+def test_planks_that_lie_elsewhere_have_the_ends_of_the_piece_there(tmp_path) -> None:
+    drawn_piece = piece(tmp_path, "to = [0.5, 0, 0.5]", "to = [0.5, 0, 0.4]")
+    furniture, gamma = Furniture(drawn_piece), np.zeros((len(drawn_piece.planks), 8))
+    gamma[drawn_piece.index("top"), 2] = 0.02
+    raw = furniture.kernel.shape(gamma)
+    found = free_ends_at(drawn_piece, raw["centre"], raw["axes"], raw["size"])
+    assert found and found == free_ends(furniture.moved(gamma)) != free_ends(drawn_piece)

@@ -10,6 +10,7 @@ from restshape_apps.furniture.guidance.design import Design, Guidance
 from restshape_apps.furniture.guidance.doubts import depends
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.physics.joint_compliance import (
+    ComplianceModels,
     UtilisationRange,
     compliances,
     recorded_utilisations,
@@ -204,3 +205,14 @@ def test_a_range_is_marked_where_compliances_decide() -> None:
     sure = 0.5 * (second[0] + doubtful[1][0])
     for t, depend in ((0.5 * sum(first), True), (sure, False), (0.5 * sum(doubtful[1]), True)):
         assert bool(depends(design.furniture.moved(t * way.direction))) == depend
+
+
+def test_models_of_a_piece_decide_as_the_models_of_each_change_of_it_do() -> None:
+    piece = drawn("table")
+    furniture = Furniture(piece)
+    models, gamma, said = ComplianceModels(furniture), np.zeros((len(piece.planks), 8)), []
+    for turn in np.linspace(0.07, 0.2, 8):
+        gamma[piece.index("leg-4"), 4] = turn
+        said.append(models.decide(gamma))
+        assert said[-1] == bool(depends(furniture.moved(gamma)))
+    assert True in said and False in said
