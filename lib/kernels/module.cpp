@@ -25,6 +25,7 @@ void bind_outline(py::module_&);
 void bind_correction(py::module_&);
 void bind_panels(py::module_&);
 void bind_rows(py::module_&);
+void bind_steps(py::module_&);
 void bind_rates(py::module_&);
 void bind_space(py::module_&);
 void bind_surface(py::module_&);
@@ -59,6 +60,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_correction(m);
     bind_panels(m);
     bind_rows(m);
+    bind_steps(m);
     bind_rates(m);
     bind_space(m);
     bind_fields(m);

@@ -74,6 +74,7 @@ __all__: list[str] = [
     "place_weights",
     "positive_mean_value",
     "pull_back",
+    "rates_after",
     "recover_quadratic",
     "recover_space",
     "recovery_energies",
@@ -85,6 +86,7 @@ __all__: list[str] = [
     "relax_and_check",
     "remove_tractions",
     "reset_calls",
+    "ridge_weights",
     "row_products",
     "same_bits",
     "schur_complement",
@@ -105,6 +107,7 @@ __all__: list[str] = [
     "von_mises",
     "watch",
     "watch_outlet",
+    "weigh_state",
     "weighted_sum",
     "with_points",
 ]
@@ -830,6 +833,13 @@ def pull_back(
     points: numpy.typing.NDArray[numpy.float64],
     stress: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def rates_after(
+    y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    before: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    v: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    of_change: typing.SupportsFloat | typing.SupportsIndex,
+    of_rate: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def recover_quadratic(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -885,6 +895,12 @@ def remove_tractions(
     nodal: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def reset_calls() -> None: ...
+def ridge_weights(
+    gram: numpy.typing.NDArray[numpy.float64],
+    products: numpy.typing.NDArray[numpy.float64],
+    ridge: typing.SupportsFloat | typing.SupportsIndex,
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def row_products(
     a: numpy.typing.NDArray[numpy.float64],
     b: numpy.typing.NDArray[numpy.float64],
@@ -969,6 +985,15 @@ def watch(
 ) -> None: ...
 def watch_outlet(
     control: typing.SupportsInt | typing.SupportsIndex, process: typing.SupportsInt | typing.SupportsIndex
+) -> None: ...
+def weigh_state(
+    y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    v: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None,
+    weights: collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex],
+    base: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    stiff: numpy.typing.NDArray[numpy.float64],
+    inert: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def weighted_sum(
     weights: numpy.typing.NDArray[numpy.float64], rows: list, out: numpy.typing.NDArray[numpy.float64]

@@ -119,19 +119,22 @@ def gathered(apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: P
         comm: of the vectors, which are made once: n is the same at each call.
     """
     vectors: tuple[PETSc.Vec, ...] = ()
+    own: tuple[np.ndarray, ...] = ()
 
     def whole(r: np.ndarray) -> np.ndarray:
-        nonlocal vectors
-        full = np.empty_like(r)
-        own = [array[rows] for array in (r, full)]
+        nonlocal vectors, own
         if not vectors:
-            size = (rows.stop - rows.start, len(r))
-            vectors = tuple(PETSc.Vec().createWithArray(array.copy(), size=size, comm=comm) for array in own)
-        for vector, array in zip(vectors, own, strict=True):
-            vector.placeArray(array)
-        apply(*vectors)
-        for vector in vectors:
-            vector.resetArray()
+            count = rows.stop - rows.start
+            own = np.zeros(count), np.zeros(count)
+            vectors = tuple(PETSc.Vec().createWithArray(array, size=(count, len(r)), comm=comm) for array in own)
+        source, target = vectors
+        own[0][:] = r[rows]
+        source.stateIncrease()
+        apply(source, target)
+        if comm.size == 1:
+            return own[1].copy()
+        full = np.empty(len(r))
+        full[rows] = own[1]
         return gather_vector(full, rows, comm)
 
     return whole

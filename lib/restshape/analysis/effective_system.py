@@ -5,10 +5,14 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.operator import MatrixTerm, Operator
 from restshape.fem.problem import STIFFNESS
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
+
+AT_REST = np.empty(0)
+"""No acceleration of a base."""
 
 
 class StepWeights:
@@ -27,17 +31,13 @@ class StepWeights:
         self.load = 1.0 + scheme.a3
         self.stiff_y, self.stiff_v, self.stiff_a = self.of_stiffness - self.load, gap * beta, scheme.a5 * beta
         self.inert_y, self.inert_v, self.inert_a = self.of_mass, scheme.a2 + gap * alpha, scheme.a5 * alpha
+        stiff = self.stiff_y, self.stiff_v, self.stiff_a
+        self._all = (*stiff, self.inert_y, self.inert_v, self.inert_a)
 
-    def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray) -> None:
-        """Set `stiff` and `inert` (n, f) to what K and M are applied to."""
-        np.multiply(state.y, self.stiff_y, out=stiff)
-        np.multiply(state.y, self.inert_y, out=inert)
-        inert += self.inert_v * state.v
-        if self.stiff_v:
-            stiff += self.stiff_v * state.v
-        if state.a is not None:
-            stiff += self.stiff_a * state.a
-            inert += self.inert_a * state.a
+    def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray, base: np.ndarray = AT_REST) -> None:
+        """Set `stiff` and `inert` (n, f) to what K and M are applied to, less `base` (f,) times M at each node."""
+        base = base if len(base) else np.zeros(stiff.shape[1])
+        _kernels.weigh_state(state.y, state.v, state.a, self._all, base, stiff, inert)
 
 
 class EffectiveSystem:
@@ -104,8 +104,7 @@ class EffectiveSystem:
             base_acceleration: (f,) the base's a' + a3 a.
         """
         weights, products = self.weights, self._products
-        weights.apply(state, products.stiff, products.inert)
-        products.inert -= base_acceleration
+        weights.apply(state, products.stiff, products.inert, base_acceleration)
         np.multiply(self.body.static, weights.load, out=self.right)
         stiffness, mass = self.body.problem.integrals(STIFFNESS), self.body.mass.integrals
         terms = [part.term(products.stiff, weights.of_stiffness, -1.0) for part in stiffness]

@@ -3,6 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.row_products import combined, row_products
 
 KEPT = 3
@@ -24,7 +25,7 @@ class IncrementProjection:
     def __init__(self, size: int, rows: int, comm: PETSc.Comm) -> None:
         self.world = comm.tompi4py() if comm.size > 1 else None
         self.steps, self.forces = np.zeros((KEPT, size)), np.zeros((KEPT + 1, rows))
-        self.gram = np.zeros((KEPT, KEPT))
+        self.gram, self._weights = np.zeros((KEPT, KEPT)), np.zeros((1, KEPT))
         self.count = 0
 
     def __call__(self, force: np.ndarray) -> np.ndarray:
@@ -32,8 +33,8 @@ class IncrementProjection:
         self.forces[KEPT] = force
         products = row_products(self.forces, self.forces[KEPT:])[:, 0]
         self.products = products if self.world is None else self.world.allreduce(products)
-        weights = weights_of(self.gram.tolist(), self.products[:KEPT].tolist())
-        return combined(np.array([weights]), self.steps)[0]
+        _kernels.ridge_weights(self.gram, self.products, RIDGE, self._weights)
+        return combined(self._weights, self.steps)[0]
 
     def keep(self, step: np.ndarray) -> None:
         """Remember the increment (size,) that the last force led to."""
@@ -42,28 +43,3 @@ class IncrementProjection:
         self.gram[place] = self.gram[:, place] = self.products[:KEPT]
         self.gram[place, place] = self.products[KEPT]
         self.count += 1
-
-
-def weights_of(gram: list[list[float]], products: list[float]) -> list[float]:
-    """The weights w of gram w = products, slightly regularised; 0 without any history.
-
-    Args:
-        gram: KEPT rows, symmetric, positive semidefinite; plain numbers, for so small a system costs numpy more.
-        products: right side.
-    """
-    shift = RIDGE * sum(gram[i][i] for i in range(KEPT))
-    if shift == 0.0:
-        return [0.0] * KEPT
-    rows = [[*gram[i], products[i]] for i in range(KEPT)]
-    for i in range(KEPT):
-        rows[i][i] += shift
-    for i in range(KEPT):
-        for k in range(i + 1, KEPT):
-            factor = rows[k][i] / rows[i][i]
-            for j in range(i + 1, KEPT + 1):
-                rows[k][j] -= factor * rows[i][j]
-    weights = [0.0] * KEPT
-    for i in reversed(range(KEPT)):
-        rest = sum(rows[i][j] * weights[j] for j in range(i + 1, KEPT))
-        weights[i] = (rows[i][KEPT] - rest) / rows[i][i]
-    return weights

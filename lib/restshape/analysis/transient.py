@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
@@ -448,7 +449,7 @@ class TransientAnalysis:
 
     def _refuse_growth(self) -> None:
         """Raises `ReplayProblem` where the motion is so large that squares of its stresses have no number."""
-        largest = float(np.abs(self.state.now.y).max(initial=0.0))
+        largest = _kernels.largest_size(self.state.now.y)
         if not largest < LARGEST:
             what = f"the motion grows without bound: its largest value is {largest:.1e}"
             raise ReplayProblem(f"{what}; take a shorter time_step, or settings of its method that are stable for any")

@@ -7,7 +7,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.fem.averages import mean_over
+from restshape.fem.averages import mean_over, plain_mean
 from restshape.fem.space import PlaneSpace, Space
 from restshape.mesh.entity_area import entity_area, signed_loops
 from restshape.scene.model import Quantity
@@ -34,12 +34,24 @@ REDUCTIONS: dict[str, Callable[[np.ndarray], float]] = {
     "peak": largest_size,
 }
 
+AT_ONE = (np.ndarray.max, np.ndarray.min, np.ndarray.sum, plain_mean)
+"""Reductions that give back a single value."""
+
 
 def reduction(space: PlaneSpace, quantity: Quantity, nodes: np.ndarray | slice) -> Callable[[np.ndarray], float]:
     """What makes one number of values (k,) at nodes (k,): a mean counts lengths and areas, not nodes."""
     # Where the scene says nothing of it, it is reduced as is usual for its kind.
     how = cast(str, quantity.reduce)
     return mean_over(space, quantity.at, nodes) if how == "mean" else REDUCTIONS[how]
+
+
+def column_reduced(reduce: Callable[[np.ndarray], float], nodes: np.ndarray | slice, column: int) -> Function:
+    """The number that `reduce`, of `reduction`, makes of a column of unknowns (n, f) at nodes (k,)."""
+    if isinstance(nodes, slice) or len(nodes) != 1 or (reduce not in AT_ONE and reduce is not largest_size):
+        return lambda x, *_: reduce(x[nodes, column])
+    # Of a single node it is the value there, or its size; arrays of one number take ten times as long.
+    node = int(nodes[0])
+    return (lambda x, *_: abs(x[node, column])) if reduce is largest_size else lambda x, *_: x[node, column]
 
 
 def area(space: Space, cells: np.ndarray | slice = slice(None)) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol, TypedDict
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.fem.plain_steps import PlainSystem, newmark_steps, theta_steps
 
 
@@ -122,11 +123,10 @@ class Newmark:
 
     def after(self, state: TimeState, y: np.ndarray) -> TimeState:
         """The state after a step from another to displacements y (n, f)."""
-        moved = y - state.y
-        v, a = self.a1 * moved - self.a4 * state.v, None
+        v, a = _kernels.rates_after(y, state.y, state.v, self.a1, self.a4), None
         if state.a is not None:
             v -= self.a5 * state.a
-            a = self.a0 * moved - self.a2 * state.v - self.a3 * state.a
+            a = self.a0 * (y - state.y) - self.a2 * state.v - self.a3 * state.a
         return TimeState(y, v, a, state.time + self.dt)
 
     def plain_steps(

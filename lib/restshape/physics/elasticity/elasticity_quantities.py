@@ -11,7 +11,7 @@ from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity, reaction_lift
 from restshape.fem.entity_sets import cells_around, observed_nodes
-from restshape.fem.observer import Function, area_at, cells_at, reduction
+from restshape.fem.observer import Function, area_at, cells_at, column_reduced, reduction
 from restshape.fem.positions import position_quantity
 from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
@@ -90,7 +90,7 @@ class PlaneQuantities:
                 self.space, quantity, nodes, columns, lambda x, *_: reduce(np.hypot(x[nodes, 0], x[nodes, 1]))
             )
         column = "xy".index(quantity.displacement)
-        return nodal_quantity(self.space, quantity, nodes, [column], lambda x, *_: reduce(x[nodes, column]))
+        return nodal_quantity(self.space, quantity, nodes, [column], column_reduced(reduce, nodes, column))
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a static solid has one kind only."""
