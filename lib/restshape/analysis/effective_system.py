@@ -11,7 +11,7 @@ from restshape.fem.problem import STIFFNESS
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.time_integration import Scheme, TimeState
 
-AT_REST = np.empty(0)
+NO_ACCELERATION = np.empty(0)
 """No acceleration of a base."""
 
 
@@ -34,7 +34,7 @@ class StepWeights:
         stiff = self.stiff_y, self.stiff_v, self.stiff_a
         self._all = (*stiff, self.inert_y, self.inert_v, self.inert_a)
 
-    def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray, base: np.ndarray = AT_REST) -> None:
+    def apply(self, state: TimeState, stiff: np.ndarray, inert: np.ndarray, base: np.ndarray = NO_ACCELERATION) -> None:
         """Set `stiff` and `inert` (n, f) to what K and M are applied to, less `base` (f,) times M at each node."""
         base = base if len(base) else np.zeros(stiff.shape[1])
         _kernels.weigh_state(state.y, state.v, state.a, self._all, base, stiff, inert)
