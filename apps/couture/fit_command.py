@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from restshape.scene.model import Scene
 
-STARTS = 11
+STARTS = 21
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

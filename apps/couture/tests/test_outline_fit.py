@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from restshape_apps.couture import application
+from restshape_apps.couture.fit_command import STARTS
 from restshape_apps.couture.fitting.alignment import aligned
 from restshape_apps.couture.fitting.confidence import confidence, correlation_length
 from restshape_apps.couture.fitting.drapes_by_number import Drape, DrapesByNumber
@@ -101,7 +102,7 @@ def test_a_stiffness_is_recovered_on_the_mesh_of_the_scene(factor, seed):
     start = drapes(size="12mm")
     drape = start.cold(start.start)
     measured, own = outline_of(drape, 1e-3, seed), drapes(factor * TRUE, size="12mm")
-    found = OutlineFit(own, measured, drape.folds, lambda step: None).run(own.cold(own.start), 9)
+    found = OutlineFit(own, measured, drape.folds, lambda step: None).run(own.cold(own.start), STARTS)
     assert found.best.drape.values[0] == pytest.approx(TRUE, rel=0.05)
 
 

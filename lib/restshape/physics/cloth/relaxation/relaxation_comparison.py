@@ -49,10 +49,11 @@ def compare_cold(state: RelaxationState, make_solver: MakeSolver) -> Comparison:
         # Loose cloth turns on its way; the mean of both tangents is good to third order.
         mean = 0.5 * (fresh + gather_matrix(cold.newton.tangent(x), comm))
         forces = (mean @ (state.x - x).ravel()).reshape(x.shape) * state.problem.boundary.free
-        distance = float(np.linalg.norm(forces)) / solver.scale(state.x)
+        # Without what the cold solve may leave itself.
+        distance = float(np.linalg.norm(forces)) / solver.scale(state.x) / (1.0 + FARTHER)
         if not state.report.converged:
-            # It says so, and how far it is: no farther it must be, but for what the cold solve leaves itself.
-            return Comparison(entries, distance * min(1.0, solver.goal / state.report.residual) / (1.0 + FARTHER))
+            # It says so, and how far it is: no farther it must be.
+            return Comparison(entries, distance * min(1.0, solver.goal / state.report.residual))
         places = np.abs(state.problem.corners(state.x) - cold.problem.corners(x)).max() / _size(state)
         return Comparison(entries, max(distance, float(places) / LOOSE, _energy_difference(state, cold.problem, x)))
     finally:
