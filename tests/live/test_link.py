@@ -7,7 +7,8 @@ import socket
 
 import pytest
 
-from restshape.live.link import HEAD, Link, LinkClosed, ServerLink
+from restshape.live.link import HEAD, Link, LinkClosed
+from restshape.live.server_link import ServerLink
 
 
 async def exchanged(link: Link, end: socket.socket) -> list[object]:

@@ -32,7 +32,7 @@ def test_the_script_of_a_session_replays_to_its_rows_and_its_picture(scene, tmp_
     session = LocalSession(scene, out := tmp_path / "session.jsonl")
     (welcome,) = session.of("welcome")
     assert (welcome["field"], welcome["dim"], welcome["predicts"]) == ("von_mises", 2, ["none", "linear", "gmls"])
-    assert {"press", "drag", "hole", "undo"} <= welcome["events"].keys()
+    assert {"press", "drag", "hole", "undo"} <= welcome["events"].keys() and not any(welcome["events"].values())
     session.event("press", on="window", at=[0.09, 0.062])
     drag(session, path(8))
     assert session.of("frame")[-1]["held"] == {"on": "window", "at": list(path(8)[-1])}
@@ -177,6 +177,9 @@ def test_numbers_things_fields_and_rates_are_said_and_follow_the_scene(scene):
     assert (thickness["value"], thickness["text"], thickness["unit"]) == (0.008, "8 mm", "m")
     roles = {one["name"]: one["role"] for one in welcome["things"]}
     assert roles["window"] == "hole" and roles["a"] == "vertex" and roles["tip"] == "edge"
+    session.worker._say_changes()
+    (forms,) = session.drain()
+    assert forms["type"] == "known" and forms["events"]["drag"]["properties"]
     session.event("set", key="material.steel.thickness", value=0.01)
     session.worker._say_changes()
     (known,) = [one for one in session.drain() if one["type"] == "known"]

@@ -334,6 +334,8 @@ class Worker(MessageLoop):
         self.say(self.words.welcome(said | script))
 
     def _say_changes(self) -> None:
+        if forms := self.words.forms():
+            self.say(forms)
         if self.player is None and (changed := self.words.changed()):
             self.say(changed)
 

@@ -2,12 +2,11 @@
 
 A message is a u4 of its length in bytes, a u1 of its kind, and as many bytes; little-endian. Texts are JSON objects
 with a key "type", binary ones are frames, both as of `page/src/protocol.ts`. This module imports nothing of restshape,
-so that the server can use it without loading the simulation.
+so that the server can use it without loading the simulation, and no event loop, which the simulation has no use for.
 """
 
 from __future__ import annotations
 
-import asyncio
 import json
 import os
 import select
@@ -213,68 +212,3 @@ class Link:
     def close(self) -> None:
         """Ends it: the other side finds it closed."""
         self._end.close()
-
-
-class ServerLink:
-    """The side of an event loop: the server's.
-
-    Args:
-        reader, writer: of the socket.
-    """
-
-    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._reader, self._writer = reader, writer
-
-    @classmethod
-    async def of_socket(cls, end: socket.socket) -> Self:
-        """The link of an end of a socket pair, which it closes."""
-        return cls(*await asyncio.open_connection(sock=end, limit=CHUNK))
-
-    async def receive(self) -> Message:
-        """The next message.
-
-        Raises:
-            LinkClosed: the other side has ended.
-        """
-        try:
-            length, kind = HEAD.unpack(await self._reader.readexactly(HEAD.size))
-            content = await self._reader.readexactly(length)
-        except (asyncio.IncompleteReadError, OSError) as error:
-            raise LinkClosed("the other side has ended") from error
-        return content.decode() if kind == TEXT else content
-
-    def send(self, message: Mapping[str, object] | str) -> None:
-        """Sends a message of text: an object, or one that is JSON already; it never waits.
-
-        Raises:
-            LinkClosed: the link is closed.
-        """
-        if self._writer.is_closing():
-            raise LinkClosed("the other side has ended")
-        content = (message if isinstance(message, str) else encoded(message)).encode()
-        self._writer.write(HEAD.pack(len(content), TEXT) + content)
-
-    async def drained(self) -> None:
-        """Waits until the other side has taken most of what was sent.
-
-        Raises:
-            LinkClosed: it has ended.
-        """
-        try:
-            await self._writer.drain()
-        except OSError as error:
-            raise LinkClosed("the other side has ended") from error
-
-    def finish(self) -> None:
-        """Says no more: the other side finds the link closed, and can be heard until it ends."""
-        if self._writer.can_write_eof():
-            self._writer.write_eof()
-
-    @property
-    def unsent(self) -> int:
-        """Bytes that the other side has not taken yet."""
-        return self._writer.transport.get_write_buffer_size()
-
-    def close(self) -> None:
-        """Ends it: the other side finds it closed."""
-        self._writer.close()

@@ -21,11 +21,8 @@ from restshape.live.live_recording import LiveRecording
 from restshape.live.live_simulation import SolvedBy
 from restshape.live.played_events import played_events
 from restshape.live.player_controls import PlayerControls
-from restshape.live.recording_player import RecordingPlayer
-from restshape.live.recording_session import RecordingSession
 from restshape.live.script_player import ScriptPlayer
 from restshape.live.shared_simulation import follow_first_rank, simulation
-from restshape.replay.recording import Recording
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -134,6 +131,11 @@ def _of_recording(options: WorkerOptions, link: Link | None) -> SessionParts | N
         raise UserError("a recording is played by one process", str(options.scene), "leave mpiexec out")
     if options.edits is not None:
         raise UserError("a recording has its own script", f"--edits {options.edits}", "leave it out")
+    # What reads recordings takes a while to load, in which a scene could be on screen.
+    from restshape.live.recording_player import RecordingPlayer
+    from restshape.live.recording_session import RecordingSession
+    from restshape.replay.recording import Recording
+
     with Recording(options.scene) as recording:
         played = RecordingSession(link, RecordingPlayer(recording), str(options.out or ""))
         if not options.resume:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
@@ -23,7 +24,8 @@ class FromPage(BaseModel):
         id: its number, which answers name.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    # Models are built as the first message is read, after the first frame was shown.
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     id: Number
 
@@ -168,7 +170,11 @@ Message = (
     | ResumeMessage
     | EndMessage
 )
-_READER: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
+
+
+@cache
+def _reader() -> TypeAdapter[Message]:
+    return TypeAdapter(Annotated[Message, Field(discriminator="type")])
 
 
 class MalformedMessage(ValueError):
@@ -194,7 +200,7 @@ def read(content: str | bytes) -> Message:
     if len(content) > LONGEST and not content.startswith(RESUMES):
         raise MalformedMessage(f"a message has {LONGEST} characters at most, and this one {len(content)}")
     try:
-        return _READER.validate_json(content)
+        return _reader().validate_json(content)
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False)[0]
         where = ".".join(map(str, first["loc"][1:])) if first["loc"] else ""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from restshape.application import Application, application_of
 from restshape.live.shape_surface import MODE, Colours
 from restshape.report.field import IN_CELLS, NAMES, chosen_field
-from restshape.report.recorded_quantities import quantity_specs
 from restshape.scene.physics import PictureField
 
 if TYPE_CHECKING:
@@ -43,7 +42,7 @@ def field_choice(scene: Scene, at_nodes: Fields, in_cells: Fields) -> FieldChoic
     names = list(dict.fromkeys(name.removesuffix(IN_CELLS) for name in (*in_cells, *at_nodes)))
     limited = {name for name, one in scene.quantities.items() if one.min is not None or one.max is not None}
     plain_cells = [name for name, values in in_cells.items() if values.ndim == 1]
-    specs = quantity_specs({"scene_values": scene.raw})
+    specs = {name: {one.kind: getattr(one, one.kind)} for name, one in scene.quantities.items()}
     found = chosen_field(names, pictured, specs, limited, plain_cells)
     looks = {name: pictured.get(name) or NAMES.get(name) or PictureField(_label(name), "") for name in names}
     order = sorted(names, key=lambda name: (name not in pictured, name.startswith(MODE)))

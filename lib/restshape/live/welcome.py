@@ -26,11 +26,12 @@ class SessionWords:
         self._live, self._numbers = live, SceneNumbers()
         self._said: dict[str, object] = {}
         self._looked: tuple[object, ...] = ()
+        self._forms = True
 
     def welcome(self, more: Mapping[str, object]) -> dict[str, object]:
-        """All of it, with what the session itself has to say."""
+        """All of it but the schemas of events, which `forms` says, with what the session itself has to say."""
         live, scene = self._live, self._live.scene
-        self._looked, self._said = self._state(), self._found()
+        self._looked, self._said, self._forms = self._state(), self._found(), True
         return {
             "type": "welcome",
             "scene": scene.path.name,
@@ -41,12 +42,17 @@ class SessionWords:
             "goesOn": application_of(scene).transient(scene),
             "fields": fields_said(live),
             "field": live.picture.field,
-            "events": events_said(scene),
+            "events": {name: {} for name in events_of(application_of(scene))},
             "predicts": predicts_of(live),
             "predict": live.predict,
             **self._said,
             **more,
         }
+
+    def forms(self) -> dict[str, object] | None:
+        """The schemas of events, once after each welcome: to make them takes longer than a frame may wait."""
+        due, self._forms = self._forms, False
+        return {"type": "known", "events": events_said(self._live.scene)} if due else None
 
     def changed(self) -> dict[str, object] | None:
         """What is not as it was when it was said last; None where all is."""

@@ -160,6 +160,7 @@ export class App {
       if (known.numbers) this.welcome.numbers = known.numbers;
       if (known.quantities) this.welcome.quantities = known.quantities;
       if (known.things) this.welcome.things = known.things;
+      if (known.events) this.welcome.events = known.events;
     }
     if (known.things) this.things = known.things;
   }

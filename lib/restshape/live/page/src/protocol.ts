@@ -38,9 +38,9 @@ export interface ThingInfo {                                               // wh
 export type FromServer =
   | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean; goesOn?: boolean;
       fields: FieldInfo[]; field: string; numbers: NumberInfo[]; quantities: QuantityInfo[]; things: ThingInfo[];
-      events: Record<string, object>;                                      // JSON schema of each event by its name
+      events: Record<string, object>;                                      // by name the JSON schema of each event, or nothing: it comes after the first frame
       script: string; player: boolean; frames: number; predicts: string[]; predict: string; out: string; recordable: boolean }
-  | { type: "known"; numbers?: NumberInfo[]; things?: ThingInfo[]; quantities?: QuantityInfo[] } // what has changed
+  | { type: "known"; numbers?: NumberInfo[]; things?: ThingInfo[]; quantities?: QuantityInfo[]; events?: Record<string, object> } // what has changed, or comes later
   | { type: "done"; id: number }
   | { type: "refused"; id: number; message: string; place: string; todo: string }
   | { type: "rates"; id: number; of: string; rates: Record<string, number[]>; units: Record<string, string> }

@@ -19,27 +19,32 @@ export function showEvents(app: App, stage: Stage): HTMLElement {
   const send = (event: ScriptEvent) => { app.act(event); };
   const show = () => {
     const schema = app.welcome?.events[choice.value];
-    if (!schema) return;
+    if (!schema || !hasForm(schema)) return;
     form = new EventForm(choice.value, schema, { lists: { names: NAMES, keys: KEYS }, pick: (what) => stage.pick(`press at ${what} in the picture`), send });
     text.textContent = eventText(schema);
     place.replaceChildren(form.body);
     if (selected) form.suggest(selected);
   };
-  choice.addEventListener("change", show);
-  app.on("welcome", (welcome) => {
-    const before = choice.value, same = JSON.stringify(welcome.events) === schemas;
-    schemas = JSON.stringify(welcome.events);
-    fill(names, app.things.map((thing) => thing.name));
-    fill(keys, welcome.numbers.map((number) => number.key));
-    if (same) return;                                 // a page that has come back keeps what is typed
-    const known = Object.keys(welcome.events).sort();
+  const offer = (events: Record<string, object>) => {
+    const before = choice.value, now = JSON.stringify(events);
+    // A page that has come back keeps what is typed.
+    if (now === schemas || !Object.values(events).every(hasForm)) return;
+    schemas = now;
+    const known = Object.keys(events).sort();
     choice.replaceChildren(...known.map((name) => element("option", { value: name }, name)));
     choice.value = known.includes(before) ? before : known.includes("set") ? "set" : known[0] ?? "";
     show();
+  };
+  choice.addEventListener("change", show);
+  app.on("welcome", (welcome) => {
+    fill(names, app.things.map((thing) => thing.name));
+    fill(keys, welcome.numbers.map((number) => number.key));
+    offer(welcome.events);
   });
   app.on("known", (known) => {
     if (known.things) fill(names, known.things.map((thing) => thing.name));
     if (known.numbers) fill(keys, known.numbers.map((number) => number.key));
+    if (known.events) offer(known.events);
   });
   app.on("selected", (thing) => {
     selected = thing?.name ?? "";
@@ -51,3 +56,6 @@ export function showEvents(app: App, stage: Stage): HTMLElement {
 function fill(list: HTMLDataListElement, values: string[]): void {
   list.replaceChildren(...[...new Set(values)].map((value) => element("option", { value })));
 }
+
+/** Whether the schema of an event has come: names alone come before. */
+function hasForm(schema: object): boolean { return "properties" in schema; }
