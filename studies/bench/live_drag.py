@@ -26,7 +26,7 @@ from restshape_studies.bench.turns import OutOfTime
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from playwright.async_api import Page
+    from playwright.async_api import CDPSession, Page
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -61,6 +61,39 @@ class Drag:
     places: int = 300
     rate: float = 125.0
     rests: float = 0.0
+
+
+@dataclass
+class Mouse:
+    """A mouse on a page. Playwright's own runs a script in the page at each move, which a person's does not.
+
+    Args:
+        session: of Chromium's protocol.
+
+    Attributes:
+        held: the left button is down.
+    """
+
+    session: CDPSession
+    held: bool = False
+
+    async def move(self, x: float, y: float) -> None:
+        """Moves to a place [pixels]."""
+        await self._do("mouseMoved", x, y, "left" if self.held else "none")
+
+    async def press(self, x: float, y: float) -> None:
+        """Presses the left button."""
+        self.held = True
+        await self._do("mousePressed", x, y, "left", clickCount=1)
+
+    async def release(self, x: float, y: float) -> None:
+        """Lets go of it."""
+        self.held = False
+        await self._do("mouseReleased", x, y, "left", clickCount=1)
+
+    async def _do(self, kind: str, x: float, y: float, button: str, **more: int) -> None:
+        about = {"type": kind, "x": x, "y": y, "button": button, "buttons": int(self.held), **more}
+        await self.session.send("Input.dispatchMouseEvent", about)
 
 
 def browser() -> str:
@@ -141,9 +174,10 @@ async def _session(scene: Path, overrides: Sequence[str]) -> AsyncIterator[tuple
 async def _moved(page: Page, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
     """Presses, drags and lets go; what was noted."""
     name, (x, y) = await _place(page, drag.on)
-    await page.mouse.move(x - 2, y)
-    await page.mouse.move(x, y)
-    await page.mouse.down()
+    mouse = Mouse(await page.context.new_cdp_session(page))
+    await mouse.move(x - 2, y)
+    await mouse.move(x, y)
+    await mouse.press(x, y)
     await page.wait_for_timeout(500)
     await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [] })")
     before, begun, moves = spent(roots), time.perf_counter(), []
@@ -151,14 +185,14 @@ async def _moved(page: Page, drag: Drag, roots: dict[int, str]) -> dict[str, Any
         await asyncio.sleep(max(begun + number / drag.rate - time.perf_counter(), 0.0))
         across, up = math.sin(number / 60), math.sin(number / 25)
         # The next place does not wait until the browser has taken this one.
-        moves.append(asyncio.create_task(page.mouse.move(x + drag.wide * across, y + drag.high * up)))
+        moves.append(asyncio.create_task(mouse.move(x + drag.wide * across, y + drag.high * up)))
     took = time.perf_counter() - begun
     used = spent(roots).since(before)
     await asyncio.gather(*moves)
     await page.wait_for_timeout(500)
     noted = await page.evaluate("({ ...restshapeNoted, sent: [...restshapeNoted.sent] })")
     released = await page.evaluate("performance.now()")
-    await page.mouse.up()
+    await mouse.release(x + drag.wide * across, y + drag.high * up)
     found = summed_up(noted, used, took)
     if drag.rests:
         await page.wait_for_timeout(1e3 * drag.rests)

@@ -5,6 +5,7 @@ import type { Raster } from "./raster";
 
 export const REACH = 1.3; // pixels from an edge to where nothing of it is seen
 const FAR = 1e9;   // pixels to an edge that is not drawn
+const NARROW = 6;  // pixels of a row that are not worth a look at which of them no edge reaches
 
 /** Triangles on the picture. */
 export interface Filled {
@@ -63,7 +64,7 @@ export function distances(to: Even, xp: number, yp: number, xq: number, yq: numb
   }
 }
 
-/** The triangle's rows from its upper to its lower corner. known: it has values. */
+/** The triangle's rows from its upper to its lower corner. known: it has values. All in one function: a call for each row takes longer. */
 function rows(
   raster: Raster, palette: Palette, xa: number, ya: number, xb: number, yb: number, xc: number, yc: number, known: boolean,
 ): void {
@@ -72,37 +73,68 @@ function rows(
   if (yb < ya) { swap = xa; xa = xb; xb = swap; swap = ya; ya = yb; yb = swap; }
   if (yc < ya) { swap = xa; xa = xc; xc = swap; swap = ya; ya = yc; yc = swap; }
   if (yc < yb) { swap = xb; xb = xc; xc = swap; swap = yb; yb = yc; yc = swap; }
-  const from = Math.max(Math.ceil(ya - 0.5), 0), to = Math.min(Math.ceil(yc - 0.5), raster.height);
   const long = (xc - xa) / (yc - ya), upper = (xb - xa) / (yb - ya), lower = (xc - xb) / (yc - yb);
-  const [d0, d1, d2] = away;
-  const wired = d0.at < FAR || d1.at < FAR || d2.at < FAR;
-  const { pixels, width } = raster, { values, body } = palette;
-  const ex = share.x, px = d0.x, qx = d1.x, rx = d2.x;
-  for (let row = from; row < to; row += 1) {
+  const { pixels, width, height } = raster, { values, body } = palette;
+  const [{ at: p0, x: px, y: py }, { at: q0, x: qx, y: qy }, { at: r0, x: rx, y: ry }] = away, { at: v0, x: vx, y: vy } = share;
+  const ip = 1 / px, iq = 1 / qx, ir = 1 / rx;
+  const wired = p0 < FAR || q0 < FAR || r0 < FAR;
+  const turn = pixelAt(yb, height), to = pixelAt(yc, height);
+  // The longest side lies at the left where the corner in the middle lies at its right.
+  const longLeft = (xb - xa) * (yc - ya) > (xc - xa) * (yb - ya);
+  for (let row = pixelAt(ya, height); row < to; row += 1) {
     const middle = row + 0.5;
     const one = xa + (middle - ya) * long;
-    const other = middle < yb ? xa + (middle - ya) * upper : xb + (middle - yb) * lower;
-    const left = Math.max(Math.ceil((one < other ? one : other) - 0.5), 0);
-    const right = Math.min(Math.ceil((one < other ? other : one) - 0.5), width);
+    const other = row < turn ? xa + (middle - ya) * upper : xb + (middle - yb) * lower;
+    const left = pixelAt(longLeft ? one : other, width), right = pixelAt(longLeft ? other : one, width);
     if (left >= right) continue;
-    const x = left + 0.5, begin = row * width;
-    const end = begin + right;
-    let value = share.at + ex * x + share.y * middle, at = begin + left;
-    if (!wired) {
-      if (!known) pixels.fill(body[0]!, at, end);
-      else for (; at < end; at += 1, value += ex) {
-        const i = value | 0;
-        pixels[at] = values[i < 0 ? 0 : i > 255 ? 255 : i]!;
+    const x = left + 0.5, end = row * width + right;
+    let at = row * width + left, value = v0 + vx * x + vy * middle;
+    let p = p0 + px * x + py * middle, q = q0 + qx * x + qy * middle, r = r0 + rx * x + ry * middle;
+    // The pixels from `clear` to `close` - 1 are reached by no edge, and need no distances.
+    let clear = 0, close = right - left;
+    if (wired && close > NARROW) {
+      const span = close;
+      let k = (REACH - p) * ip;
+      if (px > 0) { if (k > clear) clear = k < span ? (k | 0) + 1 : span; }
+      else if (px < 0) { if (k < close) close = k < 0 ? 0 : (k | 0) + 1; }
+      else if (p < REACH) close = 0;
+      k = (REACH - q) * iq;
+      if (qx > 0) { if (k > clear) clear = k < span ? (k | 0) + 1 : span; }
+      else if (qx < 0) { if (k < close) close = k < 0 ? 0 : (k | 0) + 1; }
+      else if (q < REACH) close = 0;
+      k = (REACH - r) * ir;
+      if (rx > 0) { if (k > clear) clear = k < span ? (k | 0) + 1 : span; }
+      else if (rx < 0) { if (k < close) close = k < 0 ? 0 : (k | 0) + 1; }
+      else if (r < REACH) close = 0;
+      if (close < clear) close = clear;
+    } else if (wired) clear = close;
+    const beyond = (close - clear) | 0;
+    for (let stop = (at + clear) | 0; ; stop = end) {
+      for (; at < stop; at += 1, value += vx, p += px, q += qx, r += rx) {
+        let near = p < q ? p : q;
+        if (r < near) near = r;
+        const step = near >= REACH ? 0 : near <= REACH - 1 ? STEPS : (STEPS * (REACH - near)) | 0;
+        pixels[at] = known ? values[step * VALUES + within(value)]! : body[step]!;
       }
-      continue;
-    }
-    let p = d0.at + px * x + d0.y * middle, q = d1.at + qx * x + d1.y * middle, r = d2.at + rx * x + d2.y * middle;
-    for (; at < end; at += 1, value += ex, p += px, q += qx, r += rx) {
-      let near = p < q ? p : q;
-      if (r < near) near = r;
-      const step = near >= REACH ? 0 : near <= REACH - 1 ? STEPS : (STEPS * (REACH - near)) | 0;
-      const i = value | 0;
-      pixels[at] = known ? values[step * VALUES + (i < 0 ? 0 : i > 255 ? 255 : i)]! : body[step]!;
+      if (at >= end) break;
+      stop = at + beyond;
+      if (!known) pixels.fill(body[0]!, at, stop);
+      else for (let of = value; at < stop; at += 1, of += vx) pixels[at] = values[within(of)]!;
+      at = stop;
+      value += beyond * vx;
+      p += beyond * px;
+      q += beyond * qx;
+      r += beyond * rx;
     }
   }
+}
+
+/** The first pixel of so many whose middle lies behind a place. */
+function pixelAt(place: number, count: number): number {
+  return place < 0 ? 0 : place >= count ? count : (place + 0.5) | 0;
+}
+
+function within(value: number): number {
+  const whole = value | 0;
+  return whole < 0 ? 0 : whole >= VALUES ? VALUES - 1 : whole;
 }
