@@ -4,14 +4,17 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
+import { errorOfAnswer } from "../../../lib/restshape/live/page/src/panels/answer";
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
+import { hasEarlierErrors } from "../../../lib/restshape/live/page/src/panels/frame_values";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
 import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
 import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
-import { errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
+import { distanceText, errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
 import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
+import type { FrameMessage } from "../../../lib/restshape/live/page/src/protocol";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
 import { pointText, TypedError, valueOf } from "../../../lib/restshape/live/page/src/panels/typed_values";
 
@@ -28,6 +31,18 @@ test("numbers have SI prefixes as on the console", () => {
   assert.equal(errorText(null, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(Infinity, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(undefined, 1, "Pa"), "");
+});
+
+test("errors of predicted frames that are an earlier frame's are said to be", () => {
+  const predicted = (columns: object): FrameMessage => ({ columns: { predicted: 1, estimate: 0.012, ...columns } }) as unknown as FrameMessage;
+  assert.equal(hasEarlierErrors(predicted({})), true);
+  assert.equal(hasEarlierErrors(predicted({ residual: 1e-3 })), false);
+  assert.equal(hasEarlierErrors(predicted({ predicted: 0 })), false);
+  assert.equal(errorOfAnswer(predicted({})), "about 1.2 %, by an earlier frame and the hand's way since");
+  assert.equal(errorOfAnswer(predicted({ residual: 1e-3 })), "1.2 %");
+  assert.equal(distanceText(2e6, 2e8, "Pa", true), "off by about 2.0 MPa (1.0 %)");
+  assert.equal(distanceText(2e6, 2e8, "Pa", false), "off by 2.0 MPa (1.0 %)");
+  assert.equal(distanceText(NaN, 2e8, "Pa", true), "");
 });
 
 test("ticks are round numbers inside of the range", () => {

@@ -1,6 +1,7 @@
 // The line above the shape: which scene it is, what the last frame was, and whether there is a connection.
 
 import type { App } from "./app";
+import { hasEarlierErrors } from "./panels/frame_values";
 import type { Painter } from "./panels/painter";
 import type { FrameMessage } from "./protocol";
 
@@ -35,7 +36,8 @@ function columns(header: FrameMessage): [string, string][] {
   const shown: [string, string][] = [["frame", String(header.number)]];
   for (const name of COLUMNS) {
     const value = header.columns[name];
-    if (typeof value === "number" && Number.isFinite(value)) shown.push([name, short(value)]);
+    const roughly = name === "estimate" && hasEarlierErrors(header) ? "≈ " : "";
+    if (typeof value === "number" && Number.isFinite(value)) shown.push([name, roughly + short(value)]);
     else if (typeof value === "string" && value) shown.push([name, value]);
   }
   return shown;

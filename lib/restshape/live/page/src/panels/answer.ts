@@ -2,14 +2,14 @@
 
 import type { App } from "../app";
 import { ChangingText, element } from "./element";
-import { answerText, levelText, numberOf, textOf } from "./frame_values";
+import { answerText, hasEarlierErrors, levelText, numberOf, textOf } from "./frame_values";
 import type { Painter } from "./painter";
 import { digitsText, percentText, siText } from "./si_text";
 import type { FrameMessage } from "../protocol";
 
 const SHOWN: Record<string, (frame: FrameMessage) => string> = {
   answer: answerText,
-  "error of the answer": (frame) => shareText(numberOf(frame, "estimate")),
+  "error of the answer": errorOfAnswer,
   "error of the prediction": (frame) => shareText(numberOf(frame, "prediction_error")),
   level: levelText,
   time: (frame) => siText(numberOf(frame, "ms") / 1000, "s", 3),
@@ -72,6 +72,12 @@ function predictChoice(app: App): HTMLElement {
 function limitsText(frame: FrameMessage): string {
   const broken = Object.keys(frame.limits).length ? textOf(frame, "violated_constraints") : "";
   return [textOf(frame, "constraint_status"), broken].filter(Boolean).join(": ");
+}
+
+/** The frame's error; of one that is not estimated of itself also where it is from. */
+export function errorOfAnswer(frame: FrameMessage): string {
+  const share = shareText(numberOf(frame, "estimate"));
+  return hasEarlierErrors(frame) ? `about ${share}, by an earlier frame and the hand's way since` : share;
 }
 
 function shareText(value: number): string {

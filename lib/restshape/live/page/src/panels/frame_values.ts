@@ -36,6 +36,14 @@ export function answerText(frame: FrameMessage): string {
   return "solved";
 }
 
+/** Whether a predicted frame has the errors of an earlier one, grown with the way of the hand: it has no residual then. */
+export function hasEarlierErrors(frame: FrameMessage): boolean {
+  return numberOf(frame, "predicted") > 0 && !Number.isNaN(numberOf(frame, "estimate")) && Number.isNaN(numberOf(frame, "residual"));
+}
+
+/** How far a quantity of a predicted frame is from the solution; NaN where that is not known. */
+export function distanceOf(frame: FrameMessage, name: string): number { return numberOf(frame, `${name}_distance`); }
+
 /** The sign and word of a limit's status, so that it is told without its colour. */
 export const STATUSES = {
   holds: { sign: "✓", word: "holds" },

@@ -3,9 +3,9 @@
 import { refusedWords, type App } from "../app";
 import type { FrameMessage, QuantityInfo } from "../protocol";
 import { ChangingText, element, mark } from "./element";
-import { limitsOf, quantityValue, STATUSES } from "./frame_values";
+import { distanceOf, hasEarlierErrors, limitsOf, quantityValue, STATUSES } from "./frame_values";
 import type { Painter } from "./painter";
-import { errorText, siText } from "./si_text";
+import { distanceText, errorText, siText } from "./si_text";
 
 const PLOTTED = 3;                                     // the first ones are plotted from the start
 
@@ -75,7 +75,8 @@ function shownOf(row: Row, frame: FrameMessage): Shown {
   const { name, unit } = row.info, value = quantityValue(frame, name);
   const known = !Number.isNaN(value);
   if (!known && row.last && refusedWords(frame)) return { ...row.last, error: "as before" };
-  const now = { value: siText(value, unit), error: errorText(frame.errors[name], value, unit), status: known ? frame.limits[name] : undefined };
+  const distance = distanceText(distanceOf(frame, name), value, unit, hasEarlierErrors(frame));
+  const now = { value: siText(value, unit), error: errorText(frame.errors[name], value, unit) || distance, status: known ? frame.limits[name] : undefined };
   row.last = known ? now : null;
   return now;
 }

@@ -50,6 +50,11 @@ export function errorText(error: number | null | undefined, value: number, unit:
   return `error ${siText(Math.abs(error), unit, 2, value)}${percent}`;
 }
 
+/** How far a predicted value is from the solution: "off by 2.1 MPa (0.9 %)"; empty where that is not known. roughly: by an earlier frame. */
+export function distanceText(distance: number, value: number, unit: string, roughly: boolean): string {
+  return Number.isNaN(distance) ? "" : errorText(distance, value, unit).replace("error", roughly ? "off by about" : "off by");
+}
+
 /** A share as a percentage of two digits. */
 export function percentText(share: number): string {
   return `${digitsText(100 * share, 2)} %`;
