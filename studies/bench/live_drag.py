@@ -71,28 +71,28 @@ class Mouse:
         session: of Chromium's protocol.
 
     Attributes:
-        held: the left button is down.
+        down: the left button is.
     """
 
     session: CDPSession
-    held: bool = False
+    down: bool = False
 
     async def move(self, x: float, y: float) -> None:
         """Moves to a place [pixels]."""
-        await self._do("mouseMoved", x, y, "left" if self.held else "none")
+        await self._do("mouseMoved", x, y, "left" if self.down else "none")
 
     async def press(self, x: float, y: float) -> None:
         """Presses the left button."""
-        self.held = True
+        self.down = True
         await self._do("mousePressed", x, y, "left", clickCount=1)
 
     async def release(self, x: float, y: float) -> None:
         """Lets go of it."""
-        self.held = False
+        self.down = False
         await self._do("mouseReleased", x, y, "left", clickCount=1)
 
     async def _do(self, kind: str, x: float, y: float, button: str, **more: int) -> None:
-        about = {"type": kind, "x": x, "y": y, "button": button, "buttons": int(self.held), **more}
+        about = {"type": kind, "x": x, "y": y, "button": button, "buttons": int(self.down), **more}
         await self.session.send("Input.dispatchMouseEvent", about)
 
 

@@ -8,11 +8,13 @@ import { errorOfAnswer } from "../../../lib/restshape/live/page/src/panels/answe
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { hasEarlierErrors } from "../../../lib/restshape/live/page/src/panels/frame_values";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
+import { entriesOf } from "../../../lib/restshape/live/page/src/panels/legend";
 import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
 import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { distanceText, errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
+import type { DrawnMark } from "../../../lib/restshape/live/page/src/panels/stage";
 import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
 import type { FrameMessage } from "../../../lib/restshape/live/page/src/protocol";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
@@ -43,6 +45,16 @@ test("errors of predicted frames that are an earlier frame's are said to be", ()
   assert.equal(distanceText(2e6, 2e8, "Pa", true), "off by about 2.0 MPa (1.0 %)");
   assert.equal(distanceText(2e6, 2e8, "Pa", false), "off by 2.0 MPa (1.0 %)");
   assert.equal(distanceText(NaN, 2e8, "Pa", true), "");
+});
+
+test("what is drawn without words has its name in the legend, once", () => {
+  const drawn = (kind: "lines" | "arrows", name: string, words: string[], starts: number[]): DrawnMark =>
+    ({ kind, name, words, starts, meaning: "force", points: new Float32Array(9) }) as unknown as DrawnMark;
+  const marks = [drawn("lines", "touches a body", [], [0, 1, 2]), drawn("lines", "support wall", ["", ""], [0]), drawn("arrows", "load", [], []),
+    drawn("lines", "seam", ["seam", ""], [0]), drawn("lines", "support wall", [], [0])];
+  assert.deepEqual(entriesOf(marks).map(({ sign, name }) => `${sign} ${name}`), ["● touches a body", "— support wall", "→ load"]);
+  const many = Array.from({ length: 9 }, (_, k) => drawn("lines", `support ${k}`, [], [0]));
+  assert.deepEqual(entriesOf(many).at(-1), { sign: "…", name: "and 4 more", meaning: "guide" });
 });
 
 test("ticks are round numbers inside of the range", () => {

@@ -7,6 +7,10 @@ import type { FrameMessage } from "./protocol";
 
 const LINKS = { connecting: "connecting", open: "connected", lost: "no connection: trying again", elsewhere: "goes on in another tab", ended: "the session has ended" };
 const COLUMNS = ["level", "ms", "iterations", "estimate"];
+const MEANINGS: Record<string, string> = {
+  frame: "number of the frame, from 0 on", level: "what the frame reused: 0 all, 1 and 2 parts, 3 nothing", ms: "time that the frame took, in milliseconds",
+  iterations: "of the linear solver", estimate: "estimated relative error of the answer; ≈ by an earlier frame",
+};
 
 export function showHead(app: App, painter: Painter): void {
   const title = document.getElementById("title")!;
@@ -53,6 +57,7 @@ function cell(status: HTMLElement, cells: Map<string, HTMLElement>, name: string
   const term = document.createElement("dt");
   const value = document.createElement("dd");
   term.textContent = name;
+  group.title = MEANINGS[name] ?? "";
   group.append(term, value);
   status.append(group);
   cells.set(name, value);

@@ -51,7 +51,7 @@ export class ColourBar {
     const span = factor * (ends[1] - ends[0]);
     [ends[0], 0.5 * (ends[0] + ends[1]), ends[1]].forEach((value, i) => put(this.values[i]!, plain(value * factor, span)));
     name(this.strip, `colours of ${field.label}, from ${siText(ends[0], field.unit)} to ${siText(ends[1], field.unit)}`);
-    put(this.extremes, `${siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
+    put(this.extremes, `${low === 0 ? "0" : siText(low, field.unit)} to ${siText(high, field.unit)}${note ? ` · ${note}` : ""}`);
   };
 
   private paint(map: ColourMap): void {

@@ -11,7 +11,7 @@ in vec3 shift;
 uniform float scale, width, pixels, moves;
 void main() {
   gl_Position = projectionMatrix * (modelViewMatrix * vec4(position + moves * scale * shift, 1.0));
-  gl_Position.z -= 4e-4 * gl_Position.w;
+  gl_Position.z -= 8e-5 * gl_Position.w;
   gl_PointSize = width * pixels + 1.0;
 }`;
 
@@ -22,7 +22,7 @@ layout(location = 0) out vec4 shown;
 void main() {
   float r = length(gl_PointCoord - 0.5) * (width * pixels + 1.0);
   float cover = clamp(0.5 * width * pixels + 0.5 - r, 0.0, 1.0);
-  float inner = clamp(0.5 * width * pixels - 1.2 * pixels + 0.5 - r, 0.0, 1.0);
+  float inner = clamp(0.5 * width * pixels - (width > 5.0 ? 1.2 : 0.7) * pixels + 0.5 - r, 0.0, 1.0);
   if (cover <= 0.0) discard;
   shown = vec4(mix(rim, colour, inner), cover);
 }`;
@@ -35,7 +35,7 @@ export class Dots {
   readonly points: Points<BufferGeometry, ShaderMaterial>;
   readonly colour: IUniform<Color>;
   readonly rim: Color;
-  readonly through: boolean;
+  through: boolean;
   readonly moves: IUniform<number>;
   readonly width: IUniform<number>;
   places: Float32Array = NONE;
@@ -61,9 +61,11 @@ export class Dots {
     drawnBy(this.points, this);
   }
 
-  look(colour: Color, width: number): void {
+  look(colour: Color, width: number, through = this.through): void {
     this.colour.value = colour;
     this.width.value = width;
+    this.through = through;
+    this.points.material.depthTest = !through;
   }
 
   set(points: Float32Array, shifts: Float32Array, count = points.length / 3): void {

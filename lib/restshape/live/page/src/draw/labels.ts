@@ -7,14 +7,20 @@ import type { View } from "./view";
 
 /** moved: displacement of the place, where it goes with the deformation that is drawn. */
 export interface Word { text: string; at: ArrayLike<number>; meaning: string; moved?: ArrayLike<number> | null; }
-/** text: that it will have at the painter's next turn; said: that it has. place: where it is, as the style has it. */
+/** text: that it will have at the painter's next turn; said: that it has. place: where it is, as the style has it. spot: beside its place. */
 interface Shown {
   element: HTMLSpanElement; at: Vector3; moved: Vector3; width: number; text: string; said: string; meaning: string; place: string; free: boolean;
+  spot: number;
 }
 
 const BESIDE = 9; // pixels from the place
 const HEIGHT = 17; // pixels of a line with its padding
 const PADDING = 8;
+const MANY = 9; // words, which would hide the shape if each had a place somewhere
+/** Where a word may be beside its place: to the right or left, above or below. */
+const SPOTS = [{ right: true, above: true }, { right: false, above: true }, { right: true, above: false }, { right: false, above: false }];
+
+type Box = [number, number, number, number];
 
 export class Labels {
   private readonly sets = new Map<string, Shown[]>();
@@ -34,18 +40,15 @@ export class Labels {
 
   /** Moves all words to where their places are seen. scale: of displacements. */
   place(view: View, width: number, height: number, scale: number): void {
-    const taken: [number, number, number, number][] = [];
+    const taken: Box[] = [], spots = this.count > MANY ? 1 : SPOTS.length;
     for (const shown of this.sets.values()) {
       for (const one of shown) {
         const { x, y, z } = view.toScreen(
           one.at.x + scale * one.moved.x, one.at.y + scale * one.moved.y, one.at.z + scale * one.moved.z, this.work,
         );
-        const right = x + BESIDE + one.width <= width;
-        // Words that are wider than both sides begin where the picture does.
-        const left = right ? x + BESIDE : Math.max(x - BESIDE - one.width, Math.min(0, x + BESIDE));
-        const top = Math.min(Math.max(y - HEIGHT - 4, 0), height - HEIGHT);
-        const box: [number, number, number, number] = [left, top, left + one.width, top + HEIGHT];
-        const free = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20 && !taken.some((other) => meet(box, other));
+        const seen = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20;
+        const box = seen ? roomFor(one, x, y, width, height, taken, spots) : null;
+        const free = box !== null, [left, top] = box ?? [0, 0];
         if (free) taken.push(box);
         if (one.free !== free) one.element.style.visibility = free ? "visible" : "hidden";
         one.free = free;
@@ -55,10 +58,16 @@ export class Labels {
     }
   }
 
+  private get count(): number {
+    let count = 0;
+    for (const shown of this.sets.values()) count += shown.length;
+    return count;
+  }
+
   private make(): Shown {
     const element = document.createElement("span");
     this.over.append(element);
-    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", said: "", meaning: "", place: "", free: true };
+    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", said: "", meaning: "", place: "", free: true, spot: 0 };
   }
 
   /** Places change with each frame; texts that change with it are written as often as they can be read. */
@@ -83,6 +92,27 @@ function say(shown: Shown): void {
   shown.width = widthOf(shown.text);
 }
 
+/** Where a word covers no other one: where it was, if that is still so. null: nowhere beside its place. */
+function roomFor(one: Shown, x: number, y: number, width: number, height: number, taken: readonly Box[], spots: number): Box | null {
+  for (let tried = 0; tried <= spots; tried += 1) {
+    const spot = tried === 0 ? Math.min(one.spot, spots - 1) : tried - 1, { right, above } = SPOTS[spot]!;
+    const box = boxAt(one.width, x, y, width, height, right, above);
+    if (taken.some((other) => meet(box, other))) continue;
+    one.spot = spot;
+    return box;
+  }
+  one.spot = 0;
+  return null;
+}
+
+function boxAt(wide: number, x: number, y: number, width: number, height: number, right: boolean, above: boolean): Box {
+  const fits = right ? x + BESIDE + wide <= width : x - BESIDE - wide < 0;
+  // Words that are wider than both sides begin where the picture does.
+  const left = fits ? x + BESIDE : Math.max(x - BESIDE - wide, Math.min(0, x + BESIDE));
+  const top = Math.min(Math.max(above ? y - HEIGHT - 4 : y + 4, 0), height - HEIGHT);
+  return [left, top, left + wide, top + HEIGHT];
+}
+
 let pen: CanvasRenderingContext2D | null = null;
 
 /** Width of a word without having the browser lay the page out. */
@@ -94,6 +124,6 @@ function widthOf(text: string): number {
   return (pen?.measureText(text).width ?? 7 * text.length) + PADDING;
 }
 
-function meet(a: [number, number, number, number], b: [number, number, number, number]): boolean {
+function meet(a: Box, b: Box): boolean {
   return a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3];
 }

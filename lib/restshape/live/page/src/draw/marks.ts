@@ -95,7 +95,7 @@ export class Marks {
       drawn.dots.points.renderOrder = ORDER;
       this.group.add(drawn.dots.points);
     }
-    drawn.dots.look(this.theme.colour(meaning), alone.length > MANY ? 5 : 10);
+    drawn.dots.look(this.theme.colour(meaning), alone.length > MANY ? 5 : 10, alone.length <= MANY);
     drawn.dots.set(taken(points, alone), moved.length ? taken(moved, alone) : NONE);
   }
 

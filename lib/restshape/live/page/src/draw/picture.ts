@@ -27,7 +27,7 @@ function composed(scene: Scene): HTMLCanvasElement {
   const ratio = from.width / from.clientWidth;
   pen.scale(ratio, ratio);
   const origin = from.getBoundingClientRect();
-  for (const text of document.querySelectorAll<HTMLElement>("#labels span, #bar figcaption, #bar .scale span, #bar .extremes")) {
+  for (const text of document.querySelectorAll<HTMLElement>("#labels span, #legend li, #bar figcaption, #bar .scale span, #bar .extremes")) {
     write(pen, text, origin);
   }
   const strip = document.querySelector<HTMLCanvasElement>("#bar canvas");

@@ -37,7 +37,7 @@ void main() {
     off = across * vAcross + along * (corner.x - 0.5) * 0.6 * wide;
   }
   place.xy += 2.0 * off / size * place.w;
-  place.z -= 2e-4 * place.w;
+  place.z -= 4e-5 * place.w;
   gl_Position = place;
 }`;
 

@@ -20,7 +20,7 @@ import { Surface } from "./surface";
 import { wireShare } from "./surface_shader";
 
 const WHITES = 64; // steps of how white edges are, so that colours are not made anew with each frame
-const NEARER = { lines: 2e-4, dots: 4e-4 }; // depth by which they lie before what they are on
+const NEARER = { lines: 4e-5, dots: 8e-5 }; // depth by which they lie before what they are on
 
 export class SoftwareDrawer implements Drawer {
   readonly early = true;
@@ -149,7 +149,7 @@ export class SoftwareDrawer implements Drawer {
     const { x, y, z } = this.placed, inside = inkOf(dots.colour.value), rim = inkOf(dots.rim);
     for (let i = 0; i < dots.count; i += 1) {
       if (z[i]! < NEAREST) continue;
-      dot(this.raster, x[i]!, y[i]!, wide, 1.2 * pixels.value, inside, rim, this.behind(dots.through, z[i]! - NEARER.dots, 0));
+      dot(this.raster, x[i]!, y[i]!, wide, (dots.width.value > 5 ? 1.2 : 0.7) * pixels.value, inside, rim, this.behind(dots.through, z[i]! - NEARER.dots, 0));
     }
     return true;
   }

@@ -6,6 +6,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Bounds } from "./bounds";
 
 const MARGIN = 1.3; // of the shape's size: displacements and arrows have room
+const SPARE = 1.12; // of the distance in space: words, arrows and buttons have room
 const EDGE = 0.05; // of the picture, in which a shape counts as outside
 const ANGLE = 28; // degrees that the camera in space sees
 const FROM = new Vector3(0.55, -0.95, 0.55).normalize();
@@ -63,14 +64,25 @@ export class View {
 
   private back(camera: PerspectiveCamera, bounds: Bounds): void {
     const radius = Math.max(0.5 * bounds.size(), 1e-9);
-    const angle = (ANGLE * Math.PI) / 360;
-    const narrow = Math.min(angle, Math.atan(Math.tan(angle) * camera.aspect));
-    const far = (radius / Math.sin(narrow)) * 1.02;
+    const far = Math.max(SPARE * this.distance(camera, bounds), radius);
     camera.position.copy(this.controls.target).addScaledVector(FROM, far);
     camera.near = far / 100;
     camera.far = far * 20;
     this.controls.minDistance = radius / 50;
     this.controls.maxDistance = 10 * far;
+  }
+
+  /** How far from the middle of a box the camera sees all its corners. */
+  private distance(camera: PerspectiveCamera, bounds: Bounds): number {
+    const right = new Vector3().crossVectors(camera.up, FROM).normalize(), up = new Vector3().crossVectors(FROM, right);
+    const slope = Math.tan((ANGLE * Math.PI) / 360), middle = bounds.middle(new Vector3());
+    let far = 0;
+    for (let corner = 0; corner < 8; corner += 1) {
+      const at = new Vector3(...[0, 1, 2].map((k) => (corner & (1 << k) ? bounds.high : bounds.low)[k]!) as [number, number, number]).sub(middle);
+      const aside = Math.max(Math.abs(at.dot(up)), Math.abs(at.dot(right)) / camera.aspect);
+      far = Math.max(far, aside / slope + at.dot(FROM));
+    }
+    return far;
   }
 
   /** Keeps the same scale in both directions. */

@@ -5,6 +5,7 @@ import { Charts } from "./charts";
 import { byKind, type MarksByKind } from "./decoded_marks";
 import { Offers } from "./offers";
 import { showFrameWords } from "./frame_words";
+import { showLegend } from "./legend";
 import type { Painter } from "./painter";
 import { Sound } from "./sound";
 import { MarkGroup, type Stage } from "./stage";
@@ -13,11 +14,12 @@ export interface MarkPanels { offers: HTMLElement; charts: HTMLElement; sound: H
 
 export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels {
   const offers = new Offers(app, stage), charts = new Charts(painter), sound = new Sound(app, stage);
-  const group = new MarkGroup(stage, "marks"), words = showFrameWords();
+  const group = new MarkGroup(stage, "marks"), words = showFrameWords(), legend = showLegend();
   let now: MarksByKind | null = null;
   const write = () => {
     if (!now) return;
     words.show(now.drawn);
+    legend.show(now.drawn);
     offers.show(now.offers);
     charts.show(now.charts);
     sound.show(now.tones);
