@@ -12,7 +12,7 @@ from restshape.live.kept_marks import kept, of_answers
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import Lines, Mark, Words
 from restshape.physics.cloth.seams import OPEN
-from restshape.physics.cloth.trust import largest_stretch
+from restshape.physics.cloth.trust import stretched_most
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
@@ -106,7 +106,7 @@ def _touching(state: RelaxationState) -> list[Mark]:
 def _stretched(state: RelaxationState) -> list[Mark]:
     """The strain of the edge that is stretched most, where it is."""
     assert state.problem is not None, "a known state has a problem"
-    strain, place = largest_stretch(state.problem, state.x)
+    strain, place = stretched_most(state)
     if strain < LEAST_STRAIN:
         return []
     X = state.problem.X[: len(state.problem.corners(state.x))]

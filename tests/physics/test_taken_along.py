@@ -12,6 +12,8 @@ from restshape.calibration import Calibration
 from restshape.physics.cloth.relaxation import binding
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.taken_along import common_shift
+from restshape.physics.cloth.trust import largest_stretch
+from restshape.physics.cloth.tunnelling import penetrations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -56,6 +58,19 @@ def test_a_ball_that_goes_straight_takes_its_cloth_along(tmp_path, monkeypatch):
     assert other.report.newton > 0
     assert state.x == pytest.approx(other.x, abs=1e-5)
     assert state.energy == pytest.approx(other.energy, rel=1e-6)
+
+
+@pytest.mark.parametrize("edit", [MOVED, GROWN])
+def test_what_lasts_is_what_a_look_at_the_cloth_finds(tmp_path, edit):
+    first, state, row = last_frames(tmp_path, edit=edit)
+    problem, depths = state.problem, penetrations(state.problem.contact, state.problem.corners(state.x))
+    assert row["max_strain"] == pytest.approx(largest_stretch(problem, state.x)[0], rel=1e-9)
+    assert row["max_penetration"] == pytest.approx(max(depths), rel=1e-9)
+    assert row["crossings"] == len(problem.surface.crossed(problem.corners(state.x))) == 0
+    assert row["estimate"] == pytest.approx(problem.error_estimate().relative(state.x), rel=1e-9)
+    # Cloth that lies otherwise has an estimate of its own, and no other positions have that of these.
+    assert (row["estimate"] == first.lasting(first.x, "estimate", lambda: None)) == (edit is MOVED)
+    assert state.lasting(state.x.copy(), "estimate", lambda: None) is None
 
 
 @pytest.mark.parametrize(("parts", "edit"), [((), GROWN), ((), HEAVIER), ((PIN,), MOVED)])

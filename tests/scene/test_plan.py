@@ -147,3 +147,12 @@ def test_plane_solids_have_second_order_elements_where_nothing_says_otherwise(sc
     assert named.order == 1 and named.order_why == "the scene says so in mesh.order"
     assert first_frame(scene_file).analysis.space.cells.shape[1] == 6
     assert first_frame(scene_file, ["mesh.order=1"]).analysis.space.cells.shape[1] == 3
+
+
+def test_a_plan_is_made_once_a_scene(scene_file):
+    scene, plane = load_scene(scene_file), application("plane")
+    first = plan(scene, plane)
+    revised = revise(scene, "effects.solid.model", "plane_strain")
+    assert plan(revised, plane).settings("solid").model == "plane_strain"
+    assert plan(scene, plane) is first
+    assert plan(scene, replace(plane, order_why="another")) is not first

@@ -1,7 +1,9 @@
 """Which effects a scene calls for, and which solvers, and why: nothing else is simulated."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
+from weakref import ref
 
 from pydantic import BaseModel
 
@@ -65,12 +67,25 @@ class Plan:
         return next((effect.settings for effect in self.effects if effect.name == name), None)
 
 
+_LATEST: deque[tuple[ref[Scene], Application, Plan]] = deque(maxlen=4)
+"""Plans of the scenes that were asked for last: those of the frame before and of this one."""
+
+
 def plan(scene: Scene, application: Application) -> Plan:
     """The effects that a scene calls for: those that it names, and those that the application always needs.
 
     Raises:
         UserError: an effect cannot be had in this scene.
     """
+    for known, of, found in _LATEST:
+        if known() is scene and of is application:
+            return found
+    _LATEST.append((ref(scene), application, _planned(scene, application)))
+    return _LATEST[-1][2]
+
+
+def _planned(scene: Scene, application: Application) -> Plan:
+    """The same, which is not known yet."""
     planned, warnings, tolerances = [], [], []
     orders: list[tuple[int | None, str]] = [(scene.mesh.order, "the scene says so in mesh.order")]
     for name, effect in application.effects.items():

@@ -37,7 +37,7 @@ class Trust:
 def trust_in(state: RelaxationState) -> Trust:
     """How far a state can be trusted; of one that a coarse mesh shows its strain alone is known."""
     problem, scene = state.problem, state.scene
-    strain, place = largest_stretch(problem, state.x)
+    strain, place = stretched_most(state)
     most = state.plan.settings("cloth").trusted_strain
     reasons = [stretched(strain, place, most)] if strain > most else []
     if state.distance is not None:
@@ -45,16 +45,21 @@ def trust_in(state: RelaxationState) -> Trust:
         return Trust(tuple(reasons), strain, np.nan, -1)
     max_penetration = 0.0
     if problem.contact:
-        depths = penetrations(problem.contact, problem.corners(state.x))
+        depths = state.lasting(state.x, "depths", lambda: penetrations(problem.contact, problem.corners(state.x)))
         reasons += coming_through(list(compress(scene.bodies, tunnelling(state.bodies, depths))))
         max_penetration = max(depths, default=0.0)
         reasons += penetration_notes("lies", problem, scene, depths)
-    crossings = len(problem.surface.crossed(problem.corners(state.x)))
+    crossings = state.lasting(state.x, "crossings", lambda: len(problem.surface.crossed(problem.corners(state.x))))
     reasons += crossing_notes(crossings)
     reasons += problem.ordered_layers.notes(problem.corners(state.x)) if problem.ordered_layers else []
     if state.softness < 1.0:
         reasons.append(f"the way to rest softened the membrane, to {100.0 * state.softness:g} % of its stiffness")
     return Trust((*reasons, *state.doubts), strain, max_penetration, crossings)
+
+
+def stretched_most(state: RelaxationState) -> tuple[float, np.ndarray]:
+    """What `largest_stretch` gives of a state, found once for all places that bodies take it to."""
+    return state.lasting(state.x, "stretch", lambda: largest_stretch(state.problem, state.x))
 
 
 def stretched(strain: float, place: np.ndarray, most: float) -> str:

@@ -54,7 +54,13 @@ def bind(
         options: of the frame's scene.
         origin: the equilibrium of other cloth on the same mesh to start from instead, its friction included.
     """
-    scene, arguments = frame.scene, options.arguments(frame.mesh)
+    scene, same_mesh = frame.scene, not new_mesh and before.geometry == frame.mesh.geometry
+    usual = options.context.policy.warm and options.strategy == "auto" and not (origin or before.guessed)
+    if usual and same_mesh and before.problem is not None and not before.interrupted:
+        taken = taken_along(before, scene, options.bodies)
+        if taken is not None:
+            return replace(taken, plan=options.plan), False
+    arguments = options.arguments(frame.mesh)
     apart = _touches_itself(before)
     # Cloth that has fallen out of reach is thrown again, so that an edit, or its undo, brings it back.
     cold = before.problem is None or not options.context.policy.warm or before.report.falls
@@ -71,12 +77,7 @@ def bind(
     state.solver.set_reach(options.reach)
     state = replace(state, report=ConvergenceReport(), notes=notes, doubts=(), expected=None)
     known = before.x if before.x.shape == state.x.shape and before.problem is problem else state.x
-    usual = not (cold or origin or before.guessed) and options.strategy == "auto"
-    if usual and before.problem is problem and not before.interrupted:
-        taken = taken_along(state, before, scene)
-        if taken is not None:
-            return replace(taken, observer=problem.observer(scene.quantities)), False
-    if usual:
+    if usual and not cold:
         start = in_material(before, problem) if before.problem is problem else known
         problem.begin_frame(start)
     resized = any(is_remade(old, new) for old, new in zip(before.bodies, state.bodies))

@@ -309,7 +309,8 @@ class RelaxationAnalysis(Timeless):
         """
         if self.state.predicted:
             return {"estimate": (self.state.distance or self.predictor.distance)()}
-        return {"estimate": self.error_estimate.relative(self.state.x)}
+        state = self.state
+        return {"estimate": state.lasting(state.x, "estimate", lambda: self.error_estimate.relative(state.x))}
 
     @property
     def error_estimate(self) -> ClothEstimate:

@@ -64,6 +64,7 @@ def relax(state: RelaxationState, cold: bool, options: RelaxationOptions) -> Rel
     found = replace(state, x=x, report=report, place=problem.place, softness=softness, notes=(*state.notes, *notes))
     gaps = gaps_at(problem.seams, problem.corners(x), options.scene) if report.converged else {}
     found = replace(found, energy=problem.energy(x), gaps=gaps, taken=False)
+    found = replace(found, lasting=state.lasting.at(x, state.taken and not report.steps))
     return replace(found, expected=None, friction=friction_of(problem), layers=layers_of(problem))
 
 
@@ -77,6 +78,8 @@ def _equilibrium(
     """
     solver, most, strategy = state.solver, options.settings.steps, options.strategy
     report, x = ConvergenceReport(), state.x.copy()
+    if state.taken:
+        return x, replace(state.report), None
     opened = not cold and strategy == "auto" and has_opened(solver, x, options.scene, state.gaps)
     if opened and not solver.rests(x, report):
         # An edit has sewn what lay apart, or has torn it apart.

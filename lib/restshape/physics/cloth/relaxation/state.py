@@ -16,6 +16,7 @@ from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import Expected
+from restshape.physics.cloth.relaxation.lasting import Lasting
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
@@ -48,6 +49,7 @@ class RelaxationState:
         interrupted: the last frame has failed: what was set up for it must be set up again.
         guessed: positions are those of a prediction, friction is that of its equilibrium.
         taken: bodies have taken the last equilibrium along as it lay, whose stability is known.
+        lasting: what stays where they do.
         expected: of a frame that begins at the last rest; None of others, and once it is solved.
         rest: of a prediction, the last equilibrium; None of an equilibrium.
         distance: of a prediction, what estimates how far it is from the drape, over its size; None: a Newton step does.
@@ -74,6 +76,7 @@ class RelaxationState:
     interrupted: bool = False
     guessed: bool = False
     taken: bool = False
+    lasting: Lasting = field(default_factory=Lasting)
     expected: Expected | None = None
     rest: RelaxationState | None = None
     distance: Callable[[], float] | None = None

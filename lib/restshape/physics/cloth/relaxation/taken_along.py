@@ -12,6 +12,7 @@ from restshape.physics.cloth.body_path import same_kind, speed_of
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.scene import kernel_body
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 
@@ -21,36 +22,38 @@ EXACT = 1e-12
 """How much the ways of bodies may differ, over the size of the cloth."""
 
 
-def taken_along(state: RelaxationState, before: RelaxationState, scene: Scene) -> RelaxationState | None:
+def taken_along(before: RelaxationState, scene: Scene, bodies: tuple[Body, ...]) -> RelaxationState | None:
     """The state where bodies have taken a rest along as it lay; None where that is no rest of the frame.
 
     Nothing holds the cloth but bodies, all of which go the same way without turning, and nothing else is edited. The
     weight's energy is linear, the others depend on relative places alone: forces and tangent are those of the last
-    rest, and so is its stability. Nothing passes, for all goes together.
+    rest, and so is its stability. Nothing passes, for all goes together. So the problem stays as it is, but for bodies
+    and what friction remembers; where it is no rest, these do, too.
 
     Args:
-        state: of the frame, in which nothing has moved yet but the bodies, with the friction of the last rest.
-        before: the last equilibrium, of the same problem.
-        scene: of the frame.
+        before: the last equilibrium, on the same mesh as it lay then.
+        scene: of the frame; bodies: of it, of numbers alone.
     """
-    problem, own = state.problem, state.problem.self_contact
+    problem = before.problem
+    contact, own = problem.contact, problem.self_contact
     if not (_rests_alone(before) and _bodies_alone(made(before.scene), scene)):
         return None
-    shift = common_shift(before.bodies, state.bodies, problem.corners(before.x), EXACT * problem.size)
-    if shift is None or before.place.farthest(problem.place) > 0.0:
+    shift = common_shift(before.bodies, bodies, problem.corners(before.x), EXACT * problem.size)
+    if shift is None:
         return None
-    x, known = before.x.copy(), (problem.contact.history, own.history if own else None)
+    x, known, report = before.x.copy(), contact.bodies, ConvergenceReport(converged=True)
     x[problem.corner_number] += shift
-    problem.contact.history = take_along(known[0], before.bodies, state.bodies)
+    contact.bodies = [kernel_body(body) for body in bodies]
+    contact.history = take_along(before.friction, before.bodies, bodies)
     if own:
-        own.history = known[1].moved(shift)
-    if not state.solver.rests(x, ConvergenceReport()):
-        problem.contact.history = known[0]
+        own.history = before.layers.moved(shift)
+    if not before.solver.rests(x, report):
+        contact.bodies, contact.history = known, before.friction
         if own:
-            own.history = known[1]
+            own.history = before.layers
         return None
     log.info("Cloth is taken along by %s m, as it lay", shift)
-    return replace(state, x=x, taken=True)
+    return replace(before, bodies=bodies, x=x, report=report, notes=(), doubts=(), expected=None, taken=True)
 
 
 def _rests_alone(before: RelaxationState) -> bool:
@@ -58,7 +61,7 @@ def _rests_alone(before: RelaxationState) -> bool:
     problem, report = before.problem, before.report
     by_bodies = problem.contact is not None and not len(problem.boundary.constrained)
     apart = problem.self_contact is None or problem.self_contact.active
-    return by_bodies and apart and report.converged and report.stable is True
+    return by_bodies and apart and problem.order is None and report.converged and report.stable is True
 
 
 def _bodies_alone(old: Scene, new: Scene) -> bool:
@@ -71,7 +74,9 @@ def _bodies_alone(old: Scene, new: Scene) -> bool:
 
 def _same_but(old: Scene | Body, new: Scene | Body, left_out: str) -> bool:
     """Whether all but one of the fields are the same."""
-    return all(getattr(old, key) == getattr(new, key) for key in type(new).model_fields if key != left_out)
+    keys = (key for key in type(new).model_fields if key != left_out)
+    pairs = ((getattr(old, key), getattr(new, key)) for key in keys)
+    return all(one is two or one == two for one, two in pairs)
 
 
 def common_shift(before: tuple[Body, ...], after: tuple[Body, ...], x: np.ndarray, exact: float) -> np.ndarray | None:
