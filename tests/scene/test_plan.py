@@ -155,4 +155,4 @@ def test_a_plan_is_made_once_a_scene(scene_file):
     revised = revise(scene, "effects.solid.model", "plane_strain")
     assert plan(revised, plane).settings("solid").model == "plane_strain"
     assert plan(scene, plane) is first
-    assert plan(scene, replace(plane, order_why="another")) is not first
+    assert plan(scene, replace(plane, summary="another")) is not first

@@ -22,7 +22,7 @@ class Lasting:
         self._x, self._known = x, {} if known is None else known
 
     def at(self, x: np.ndarray, along: bool) -> Lasting:
-        """What is known of cloth at x (n, 3): the same where all of it and all bodies have gone `along`, else nothing."""
+        """The same of cloth at x (n, 3) where all of it and all bodies have gone `along`; else nothing is known."""
         return Lasting(x, self._known if along else None)
 
     def __call__(self, x: np.ndarray, name: str, find: Callable[[], T]) -> T:
