@@ -18,10 +18,10 @@ from restshape_studies.stability.scenery import write_scene
 from restshape_verification.flow.scenes import channel, disc, in_time
 
 from restshape.analysis.frame import Frame
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.relocate import BoundaryNodes, HarmonicExtension
 from restshape.physics.flow.carry import courant
 from restshape.physics.flow.history import Level
-from restshape.replay.first_frame import first_frame
 
 STEP, SETTLING, RESTING, PARTS = 0.1, 20, 5, 8
 ASKED = '[quantities]\ndrag = { drag = true, at = "body" }\n'

@@ -16,7 +16,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.analysis.equilibrium_search import EquilibriumSearch
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -112,7 +112,7 @@ def main(words: list[str]) -> None:
     Watched.oldest = int(words[2]) if len(words) > 2 else Watched.oldest
     scene = load_scene(words[0], ("solve.jumps=false",))
     asked = Request.of(scene, load_script(words[1], scene), "auto")
-    for _ in Replay(asked, PETSc.COMM_WORLD).frames():
+    for _ in Run(asked, summed=False):
         pass
     names = ("chord", "Anderson", "Anderson, kept differences", "Newton's steps", "iterations of these")
     print(f"{len(Watched.rows)} frames")

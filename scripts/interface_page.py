@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import restshape
-from restshape.interface import simulation
+from restshape.interface import replays
 from restshape.live import notebook
 
 PAGE = Path(__file__).parents[1] / "docs" / "python-interface.md"
@@ -46,7 +46,7 @@ KINDS = (
     "UserError",
     "RefusedFrame",
 )
-CALLED = {"replay": simulation.replay, "live": notebook.live}
+CALLED = {"replay": replays.replay, "live": notebook.live}
 """Functions whose names are packages, too, which are called in their place."""
 ELSEWHERE = {
     "Scene": "the validated model of a scene: its fields are the tables of the [scene format](scene-format.md)",

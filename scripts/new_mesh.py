@@ -17,7 +17,7 @@ from unittest.mock import patch
 
 import numpy as np
 from restshape_apps.flow import application
-from restshape_studies.stability.scenery import make_replay, set_value, write_script
+from restshape_studies.stability.scenery import make_run, set_value, write_script
 
 from restshape.algebra.newton_convergence import Outcome
 from restshape.mesh.transfer import Transfer
@@ -73,8 +73,8 @@ def forces(moment: int | None, size: str | None = None) -> np.ndarray:
     if moment:
         events += [*set_value("mesh.size", OTHER), {"do": "idle", "frames": RESTING}]
     with TemporaryDirectory() as folder:
-        made = make_replay(SCENE, write_script(Path(folder), events), overrides=[f"mesh.size={size}"] if size else [])
-        return np.array([(row["q_drag"], row["q_lift"]) for row in made.frames()])
+        run = make_run(SCENE, write_script(Path(folder), events), overrides=[f"mesh.size={size}"] if size else [])
+        return np.array([(row["q_drag"], row["q_lift"]) for row in run.rows()])
 
 
 def main() -> None:

@@ -18,8 +18,8 @@ from petsc4py import PETSc
 from scipy.sparse import bmat, coo_matrix, csr_matrix
 
 from restshape.application import application
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.replay.first_frame import first_frame
 
 STEPS, TIMES = (5e-3, 40e-3), (1.0, 1e2, 1e4)
 ROUNDS, MOST, TOLERANCE = 5, 2000, 1e-8

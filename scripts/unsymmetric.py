@@ -19,14 +19,12 @@ from typing import NamedTuple
 import numpy as np
 from petsc4py import PETSc
 
-from restshape import _kernels
+import restshape
+from restshape import Run, _kernels
 from restshape.algebra.candidates import FLOW_IN_TIME
 from restshape.algebra.counted_work import EVENTS, counted_seconds
 from restshape.algebra.krylov_method import set_krylov, solve_from
-from restshape.replay.event_counts import EventCounts
-from restshape.replay.loop import Replay
-from restshape.replay.regret import begin_log
-from restshape.replay.request import Request
+from restshape.replay.event_counts import EventCounts, begin_log
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -55,22 +53,19 @@ class System(NamedTuple):
         return max(0.3, math.log10(self.b.norm() / self.target))
 
 
-def begun(scene: Path, script: Path, changes: Sequence[str]) -> Replay:
-    """A replay with nothing beside its frames."""
+def begun(scene: Path, script: Path, changes: Sequence[str]) -> Run:
+    """A run with nothing beside its frames."""
     read = load_scene(scene, changes)
-    asked = Request.of(read, load_script(script, read), "auto")
-    made = Replay(asked, PETSc.COMM_SELF)
-    made.errors.estimating = made.measuring = made.errors.jumps.wanted = False
-    return made
+    return restshape.replay(read, load_script(script, read), "auto", measured="nothing")
 
 
 def systems(scene: Path, script: Path, frames: range, changes: Sequence[str]) -> list[System]:
     """Those of some frames that have the size of the first one."""
-    replay, found = begun(scene, script, changes), list[System]()
-    solver = replay.analysis.solver
+    run, found = begun(scene, script, changes), list[System]()
+    solver = run.replay.analysis.solver
     solver.on_solve = lambda mat, b, x, new, places: found.append(System(mat.copy(), b.copy(), 0.0))
     solver.on_solved = lambda report: found.append(found.pop()._replace(target=solver.ksp.getTolerances()[1]))
-    for row in replay.frames():
+    for row in run.rows():
         if int(row["index"]) not in frames:
             found.clear()
         if int(row["index"]) == frames[-1]:
@@ -157,14 +152,14 @@ def table(label: str, known: Sequence[System], kinds: Sequence[str]) -> None:
 def alone(scene: Path, script: Path, changes: Sequence[str]) -> None:
     """What the whole edit costs with each candidate alone, and with the choice: counted work, iterations, factors."""
     for name in (*(one.name for one in FLOW_IN_TIME), "auto"):
-        replay = begun(scene, script, changes)
-        solver, counts, seconds, spent = replay.analysis.solver, EventCounts(EVENTS), 0.0, 0
+        run = begun(scene, script, changes)
+        solver, counts, seconds, spent = run.replay.analysis.solver, EventCounts(EVENTS), 0.0, 0
         for other in FLOW_IN_TIME:
             if name not in ("auto", other.name):
                 solver.kept.choice.exclude(other)
         counts.since_last()
         factors = 0
-        for row in replay.frames():
+        for row in run.rows():
             events = counts.since_last()
             seconds += counted_seconds(events, int(row["iterations"]), solver)
             spent, factors = spent + int(row["iterations"]), factors + events["MatLUFactorNum"]

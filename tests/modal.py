@@ -8,8 +8,8 @@ from petsc4py import PETSc
 from restshape.analysis.modal import ModalAnalysis
 from restshape.application import application_of
 from restshape.calibration import Calibration
+from restshape.interface.first_frame import first_frame
 from restshape.policy import policy
-from restshape.replay.first_frame import first_frame
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script

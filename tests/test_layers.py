@@ -1,6 +1,7 @@
 """Imports go one way: between packages, between the parts of the library, and between its modules."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -59,6 +60,8 @@ LAYERS = (
     "cli",
 )
 """Parts of the library: each imports those before it alone."""
+MADE = re.compile(r"(?<!class )\bReplay\(")
+"""A frame loop that is made."""
 HEAVY = {"numpy", "scipy", "pydantic", "rich", "h5py", "petsc4py", "matplotlib", "restshape._kernels"}
 
 
@@ -169,6 +172,12 @@ def test_no_modules_import_each_other(annotations):
     except CycleError as error:
         circle = error.args[1]
     assert circle == []
+
+
+def test_the_frame_loop_is_made_in_one_place():
+    scripts = {f"scripts.{path.stem}": path for path in (ROOT / "scripts").glob("*.py")}
+    made = {name for name, path in {**MODULES, **scripts}.items() if MADE.search(path.read_text(encoding="utf-8"))}
+    assert made == {"restshape.interface.shown_frame"}
 
 
 @pytest.mark.cli

@@ -109,19 +109,19 @@ def _drag(args: argparse.Namespace) -> int:
     from restshape_apps.metallophone.sounding import drag
     from restshape_apps.metallophone.sounding.wav import write_wav
 
-    from restshape.replay.first_frame import replay_of
+    from restshape.interface.first_frame import run_of
 
-    replay = replay_of(scene, args.edits)
+    run = run_of(scene, args.edits)
     every = EVERY if args.every is None else args.every
     if not _contact(args) < every:
         raise UserError("the mallet touches until the next blow", "--contact, --every", "give a shorter contact")
     known: list[ModesAt] = []
     times: list[float] = []
-    for row in replay.frames():
+    for row in run.rows():
         times.append(float(row["t"]))
         # Frames that are not analysed have no frequency of their own.
         if row.get("f_1", nan) > 0.0:
-            known.append(drag.modes_at(replay.analysis, times[-1], args.at, args.damping))
+            known.append(drag.modes_at(run.replay.analysis, times[-1], args.at, args.damping))
     if args.edits is None:
         raise UserError("without edits there is no drag to hear", "--drag", "name a script (.jsonl), or leave it out")
     frames = drag.in_order(known, times[0], times[-1])

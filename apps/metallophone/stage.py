@@ -31,7 +31,7 @@ def analysed(args: argparse.Namespace) -> ModalAnalysis:
         UserError: the scene is not a metallophone's, or has no such frame.
     """
     scene = metallophone(args)
-    from restshape.replay.first_frame import replayed_to
+    from restshape.interface.first_frame import replayed_to
 
     return replayed_to(scene, args.edits, args.frame).analysis
 

@@ -23,7 +23,7 @@ def run(args: argparse.Namespace) -> int:
     from restshape_apps.solid.picture import draw
 
     from restshape.analysis.buckling import BucklingAnalysis
-    from restshape.replay.first_frame import first_frame
+    from restshape.interface.first_frame import first_frame
 
     analysis = first_frame(args.scene, args.set).analysis
     if not isinstance(analysis, BucklingAnalysis):

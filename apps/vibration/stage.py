@@ -10,7 +10,7 @@ from restshape.analysis.transient import TransientAnalysis
 from restshape.cli.options import add_scene
 from restshape.cli.parser import add_edits
 from restshape.errors import UserError
-from restshape.replay.first_frame import replayed_to
+from restshape.interface.first_frame import replayed_to
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 

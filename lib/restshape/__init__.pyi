@@ -5,6 +5,7 @@ from restshape.interface.hand import Hand as Hand
 from restshape.interface.opened_recording import FrameOnFile as FrameOnFile
 from restshape.interface.opened_recording import OpenedRecording as OpenedRecording
 from restshape.interface.opened_recording import recording as recording
+from restshape.interface.replays import replay as replay
 from restshape.interface.run import Run as Run
 from restshape.interface.scenes import changed as changed
 from restshape.interface.scenes import load as load
@@ -18,7 +19,6 @@ from restshape.interface.shown_frame import ShownMesh as ShownMesh
 from restshape.interface.simulation import RefusedFrame as RefusedFrame
 from restshape.interface.simulation import Simulation as Simulation
 from restshape.interface.simulation import open as open
-from restshape.interface.simulation import replay as replay
 from restshape.live.notebook import LivePage as LivePage
 from restshape.live.notebook import live as live
 from restshape.scene.edit_script import Script as Script

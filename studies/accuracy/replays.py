@@ -13,9 +13,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_studies.accuracy.distance import Reference
-from restshape_studies.accuracy.sampling import SparseSession, changing, spread
+from restshape_studies.accuracy.sampling import changing, spread
 from restshape_studies.accuracy.setting import scale_of
 from restshape_studies.accuracy.state import Sampled, State, state_of
 
@@ -25,7 +24,9 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.made_analysis import made_analysis
 from restshape.errors import ReplayProblem, UserError
+from restshape.interface.run import Run
 from restshape.policy import Policy
+from restshape.replay.chosen_frames import ChosenFrames
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.load import revise
@@ -74,8 +75,8 @@ def reference(request: Request, frames: list[int], folder: str, coarser: str = "
     """
     start = perf_counter()
     transient = request.application.transient(request.scene)
-    replay = _sparse(request, frames, leap=request.policy.regenerate, every=transient)
-    states, refused = _look(replay, frames)[:2]
+    chosen = _chosen(frames, leap=request.policy.regenerate, every=transient)
+    states, refused = _look(Run(request, summed=False, chosen=chosen), chosen, frames)[:2]
     found: Row = {"unknowns": 0, "elements": 0, "refused": refused, "distances": {}, "quantities": {}}
     for index, state in states.items():
         own = Reference.of(state)
@@ -173,7 +174,6 @@ def quantity_parts(whole: Sampled, u: Sampled, tight: Sampled, direct: Sampled) 
 
 def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tuple[dict[int, State], dict, Row]:
     """States of the sampled frames of the setting's own replay, its refusals, and its times."""
-    replay = Replay(request, PETSc.COMM_WORLD)
     moving, _ = changing(request.scene, request.script, total)
     some = spread(moving, frames, TIMED)
     alike = request.policy.solver == "direct" and not request.application.transient(request.scene) and not whole
@@ -182,12 +182,14 @@ def _timed(request: Request, frames: list[int], total: int, whole: bool) -> tupl
     def solved(index: int) -> bool:
         if index == 1:
             # Its frames are all alike, for it keeps nothing: some of them show the time of all.
-            sparse.append(alike and replay.row["ms"] > 1e3 * HASTE and not replay.row["newton"])
-            replay.session.leap = sparse[0] and request.policy.regenerate
+            row = run.replay.row
+            sparse.append(alike and row["ms"] > 1e3 * HASTE and not row["newton"])
+            chosen.leap = sparse[0] and request.policy.regenerate
         return not (index and sparse[0]) or index in some
 
-    replay.session = SparseSession(replay.session, solved, total - 1)
-    states, refused, rows = _look(replay, frames)
+    chosen = ChosenFrames(solved, total - 1)
+    run = Run(request, summed=False, chosen=chosen)
+    states, refused, rows = _look(run, chosen, frames)
     sparse = sparse or [False]
     later = [row for row in rows[1:] if not sparse[0] or row["index"] in some]
     moved = [row["ms"] for row in later if row["level"]] or [row["ms"] for row in later if row["iterations"]]
@@ -231,10 +233,10 @@ def _tight(
         keeps = request.application.transient(request.scene) or policy.solver != "direct"
         leap = policy.regenerate and not request.application.transient(request.scene)
         try:
-            replay = _sparse(replace(request, scene=scene, policy=policy), frames, leap, every=keeps)
+            asked, wanted = replace(request, scene=scene, policy=policy), _chosen(frames, leap, every=keeps)
             fresh = {}
             again = None if request.application.transient(request.scene) else Afresh(request, fresh)
-            states, now, _ = _look(replay, frames, again)
+            states, now, _ = _look(Run(asked, summed=False, chosen=wanted), wanted, frames, again)
         except (ReplayProblem, UserError) as problem:
             # Rounding does not let the first frame get there.
             lost = {0: str(problem)}
@@ -287,38 +289,36 @@ class Afresh:
         clean_up(replay.comm)
 
 
-def _sparse(request: Request, frames: list[int], leap: bool, every: bool) -> Replay:
-    """A replay that solves for some frames.
+def _chosen(frames: list[int], leap: bool, every: bool) -> ChosenFrames:
+    """What a replay solves for.
 
     Args:
-        request: what is replayed.
         frames: wanted.
         leap: leave out all other frames, meshes and all.
         every: solve for all frames, for each one hangs on those before.
     """
-    replay = Replay(request, PETSc.COMM_WORLD)
-    chosen: Callable[[int], bool] = (lambda index: True) if every else set(frames).__contains__
-    replay.session = SparseSession(replay.session, chosen, frames[-1], leap and not every)
-    return replay
+    wanted: Callable[[int], bool] = (lambda index: True) if every else set(frames).__contains__
+    return ChosenFrames(wanted, frames[-1], leap and not every)
 
 
 def _look(
-    replay: Replay, frames: list[int], also: Callable[[Replay], None] | None = None
+    run: Run, chosen: ChosenFrames, frames: list[int], also: Callable[[Replay], None] | None = None
 ) -> tuple[dict[int, State], dict[int, str], list[Row]]:
-    """States of some frames of a replay, why other frames have no solution, and rows.
+    """States of some frames of a run, why other frames have no solution, and rows.
 
     Args:
-        replay: not begun yet.
+        run: not begun yet; chosen: what it solves for.
         frames: wanted.
         also: called at each of these; where it has a problem, the frame counts as one without a solution.
     """
+    replay = run.replay
     states: dict[int, State] = {}
     refused: dict[int, str] = {}
     rows, wanted = [], set(frames)
-    for row in replay.frames():
+    for row in run.rows():
         rows.append(dict(row))
         if row["refused"]:
-            if row["index"] not in replay.session.refused:
+            if row["index"] not in chosen.refused:
                 refused[row["index"]] = row["refused"]
         elif row["index"] in wanted:
             states[row["index"]] = state_of(replay.analysis, replay.session.outline.points, replay.row)

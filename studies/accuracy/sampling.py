@@ -1,19 +1,14 @@
-"""Which frames of a script a study looks at, and replays that solve for no others."""
+"""Which frames of a script a study looks at."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import replace
 from itertools import islice
-from typing import Any
 
 import numpy as np
 
 from restshape.errors import UserError
+from restshape.replay.chosen_frames import MOVING
+from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.shape.session import EditFrame, EditSession
-
-MOVING = ("move", "shape", "values", "mesh")
-"""Changes after which the solution is another one."""
 
 
 def changing(scene: Scene, script: Script, frames: int | None) -> tuple[list[int], int]:
@@ -25,7 +20,7 @@ def changing(scene: Scene, script: Script, frames: int | None) -> tuple[list[int
         frames: to look at, the first shape included; None for all.
     """
     found, count = [], 0
-    for frame in islice(EditSession(scene, script).frames(), frames):
+    for frame in islice(session_of(scene, script).frames(), frames):
         count += 1
         if frame.index and frame.refused is None and frame.change in MOVING and frame.analysed:
             found.append(frame.index)
@@ -77,38 +72,3 @@ def spread(moving: list[int], least: list[int], count: int) -> list[int]:
     """About `count` of the moving frames, evenly, with those of `least` among them."""
     places = np.linspace(0, len(moving) - 1, min(count, len(moving)))
     return sorted({*least, *(moving[round(place)] for place in places)})
-
-
-class SparseSession:
-    """An edit session of which only some frames are solved for.
-
-    Args:
-        session: as the replay made it.
-        wanted: says by its index whether a frame is solved for.
-        last: index of the last frame that is wanted.
-        leap: frames that are not solved for are left out, and the next one restarts: for replays that keep nothing.
-
-    Attributes:
-        refused: indices of the frames whose edits the session itself refused.
-    """
-
-    def __init__(self, session: EditSession, wanted: Callable[[int], bool], last: int, leap: bool = False) -> None:
-        self.session, self.wanted, self.last, self.leap = session, wanted, last, leap
-        self.refused: set[int] = set()
-
-    def frames(self) -> Iterator[EditFrame]:
-        """The frames as a replay is to see them."""
-        moved = False
-        for frame in islice(self.session.frames(), self.last + 1):
-            if frame.refused is not None:
-                self.refused.add(frame.index)
-            if self.wanted(frame.index):
-                yield replace(frame, change="shape") if moved and frame.refused is None else frame
-                moved = False
-            elif self.leap:
-                moved = moved or frame.change in MOVING
-            else:
-                yield replace(frame, analysed=False)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self.session, name)

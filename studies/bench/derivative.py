@@ -6,17 +6,16 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_studies.bench.drape_derivative import is_drape, measure_drape
 
 from restshape import _kernels
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.residuals import unconstrained_residual
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
+from restshape.replay.sessions import session_of
 from restshape.sensitivity.steady_derivative import design_derivative
-from restshape.shape.session import EditSession
 
 STEPS = tuple(10.0 ** (-0.5 * k) for k in range(3, 29))
 """Steps of the differences, in sizes of the shape."""
@@ -36,11 +35,11 @@ class LinearisedScene:
     """
 
     def __init__(self, request: Request) -> None:
-        replay = Replay(replace(request, predict="linear"), PETSc.COMM_WORLD)
+        run = Run(replace(request, predict="linear"), summed=False)
+        replay = run.replay
         self.replay, self.analysis = replay, replay.analysis
         self.scene, self.script = request.scene, request.script
-        frames = replay.frames()
-        if not any(replay.prediction.made for _ in frames):
+        if not any(replay.prediction.made for _ in run):
             raise UserError("the script drags nothing that moves the mesh linearly", str(request.scene.path), "--edits")
         self.Psi, self.mesh = replay.moving.field_motion, self.analysis.space
         self.X, self.x = self.mesh.X.copy(), self.analysis.x.copy()
@@ -48,7 +47,7 @@ class LinearisedScene:
     def farthest(self) -> np.ndarray:
         """Where (2,) the hand is farthest from where it took hold in this drag, in its coefficients."""
         taken, places = self.replay.row["line"], [(0.0, 0.0)]
-        for edit in EditSession(self.scene, self.script, outline=self.replay.moving.outline).frames():
+        for edit in session_of(self.scene, self.script, self.replay.moving.outline).frames():
             if edit.line > taken and edit.do == "release":
                 break
             if edit.line > taken and edit.change == "move":

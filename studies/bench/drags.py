@@ -9,9 +9,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from petsc4py import PETSc
-
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -48,9 +46,8 @@ def _played(path: Path, edits: Path, override: str) -> dict[str, Any]:
     scene = load_scene(path, (override,))
     script = load_script(edits, scene)
     request = Request.of(scene, script, "auto")
-    replay = Replay(request, PETSc.COMM_SELF)
     rows, times, begun = [], [], time.process_time()
-    for row in replay.frames():
+    for row in Run(request, summed=False).rows():
         now = time.process_time()
         rows.append(row)
         times.append(now - begun)

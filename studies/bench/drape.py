@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from restshape_studies.bench.openings import inside, kept
 
 from restshape.errors import ReplayProblem, UserError
+from restshape.interface.run import Run
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
@@ -18,7 +19,6 @@ from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAna
 from restshape.physics.cloth.scene import cloth_arguments
 from restshape.physics.cloth.trust import trust_in
 from restshape.replay.event_counts import EventCounts
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
@@ -107,12 +107,12 @@ def measure(request: Request, seconds: float) -> dict[str, Any]:
         raise UserError(
             "the scene has no cloth that reaches equilibrium", str(request.scene.path), "name one of couture"
         )
-    replay = Replay(request, PETSc.COMM_WORLD)
-    analysis = cast(RelaxationAnalysis, replay.analysis)
+    run = Run(request, summed=False)
+    analysis = cast(RelaxationAnalysis, run.replay.analysis)
     counts = EventCounts(tuple(COUNTED.values()))
     trace, over = Trace(analysis, seconds), ""
     try:
-        next(replay.frames())
+        next(run)
     except Over as problem:
         over = str(problem)
     except UserError as problem:

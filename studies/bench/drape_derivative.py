@@ -8,17 +8,16 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_studies.bench.drape_numbers import number_remainders
 
 from restshape.analysis.frame import Frame
 from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
+from restshape.interface.run import Run
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.sensitivity.agreed_contact import FREE
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
@@ -55,9 +54,10 @@ def measure_drape(request: Request, by: Sequence[str] = (), only_times: bool = F
         None where there is no rest; empty where they were not asked for; numbers: as of `number_remainders`.
     """
     scene = request.scene if only_times else _resting(request.scene)
-    replay = Replay(replace(request, scene=scene), PETSc.COMM_WORLD)
-    next(replay.frames())
-    analysis, mesh = replay.analysis, replay.analysis.space
+    run = Run(replace(request, scene=scene), summed=False)
+    next(run)
+    analysis = run.replay.analysis
+    mesh = analysis.space
     edge = scene.shape.outline[1]
     motions = _motions(mesh, edge)
     try:

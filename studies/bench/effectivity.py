@@ -11,9 +11,9 @@ from restshape_studies.accuracy.setting import refusal, scale_of, scaled, unknow
 
 from restshape.application import Application, application_of
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.elasticity.thickness_layers import layers_of
 from restshape.replay.columns import error_column
-from restshape.replay.first_frame import first_frame
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene

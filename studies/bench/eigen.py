@@ -15,7 +15,7 @@ from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.plan import plan
 
@@ -150,10 +150,10 @@ def measure(request: Request) -> Row:
     if plan(request.scene, request.application).solver.equations != "eigenvalues":
         what = "the scene has no eigenproblem of frequencies alone"
         raise UserError(what, str(request.scene.path), "take a scene of metallophone")
-    replay = Replay(request, PETSc.COMM_WORLD)
+    run = Run(request, summed=False)
     contest, size = Contest(request), None
-    for row in replay.frames():
-        analysis = replay.analysis
+    for row in run.rows():
+        analysis = run.replay.analysis
         now = (id(analysis.space), analysis.unknowns, analysis.state.count)
         if row["refused"] or not row["level"]:
             continue

@@ -8,7 +8,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from restshape_studies.stability.scenery import make_replay
+from restshape_studies.stability.scenery import make_run
 
 from restshape.algebra.stages import Stages
 from restshape.analysis import enriched_solution, quantity_errors
@@ -38,8 +38,8 @@ def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str
 
     `NAME products` is how often a matrix was multiplied for its dual solution, or for that on the richer space.
     """
-    replay = make_replay(scene, edits, overrides=given)
-    replay.errors.estimating = False
+    run = make_run(scene, edits, overrides=given, measured="residual")
+    replay = run.replay
     products = [0]
     steps = quantity_errors.conjugate_steps
 
@@ -56,7 +56,7 @@ def measured(scene: Path, edits: Path, names: Sequence[str], given: Sequence[str
     for module in (quantity_errors, enriched_solution):
         module.conjugate_steps = counted
     try:
-        frames = replay.frames()
+        frames = run.rows()
         while True:
             begin = process_time()
             row = next(frames, None)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from restshape_studies.stability.scenery import make_replay
+from restshape_studies.stability.scenery import make_run
 
 from restshape.replay.columns import jump_column
 from restshape.replay.rounding import ROUNDING, largest, scales
@@ -25,12 +25,13 @@ def study(scene: Path, edits: Path, given: Sequence[str]) -> dict[str, Any]:
     Raises:
         UserError: the scene cannot be replayed, or has no jumps.
     """
-    replay = make_replay(scene, edits, overrides=(*given, "solve.jumps=true"))
+    run = make_run(scene, edits, overrides=(*given, "solve.jumps=true"))
+    replay = run.replay
     quantities = replay.session.scene.quantities
     jumps: dict[str, dict[str, Any]] = {name: {} for name in quantities}
     frames = {"2": 0, "3": 0, "without": 0}
     values: dict[str, list[float]] = {name: [] for name in quantities}
-    for row in replay.frames():
+    for row in run.rows():
         for name, known in values.items():
             known.append(row.get(f"q_{name}", nan))
         level = str(row["level"])

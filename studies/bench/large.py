@@ -10,7 +10,6 @@ from statistics import mean, median
 from time import perf_counter
 from typing import Any
 
-from petsc4py import PETSc
 from restshape_studies.bench.job import Job, Outcome, Row, run
 from restshape_studies.bench.order import sizes
 from restshape_studies.bench.rank_process import own_work, peak_mb
@@ -18,7 +17,7 @@ from restshape_studies.bench.size import write_script
 from restshape_studies.bench.turns import Announce
 
 from restshape.errors import UserError
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.load import load_scene
 
@@ -160,17 +159,16 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
         UserError: the first shape has no solution.
     """
     base, begun = peak_mb(), perf_counter()
-    replay = Replay(request, PETSc.COMM_WORLD)
-    replay.errors.estimating = False
+    run = Run(replace(request, measured="residual"), summed=False)
     first: Row = {}
     moved: list[Row] = []
-    for row in replay.frames():
+    for row in run.rows():
         first = first or dict(row)
         if row["index"] and (row["level"] or row["predicted"]) and not row["refused"]:
             moved.append(dict(row))
         if len(moved) >= frames or perf_counter() - begun > seconds:
             break
-    work = own_work(replay)
+    work = own_work(run.replay)
     stored = 1e-6 * (work["matrix"] + work["preconditioner"])
     found = {"unknowns": first["unknowns"], "elements": first["elements"], "first_ms": first["ms"]}
     found |= {"peak_mb": peak_mb(), "base_mb": base, "stored_mb": stored, "frames": len(moved)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from statistics import mean, median
 from time import perf_counter
 from typing import Any
@@ -14,8 +14,8 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.measurement import measure_bandwidth
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.replay.tally import beside
 
@@ -263,13 +263,12 @@ def measure(request: Request, frames: int) -> dict[str, Any]:
         (median of the frame that is in no stage); answer and whole: least_ms, ms, fraction of the frame until its
         answer, and with what is beside it.
     """
-    replay = Replay(request, PETSc.COMM_WORLD)
-    replay.errors.estimating = replay.measuring = False
-    analysis = replay.analysis
+    run = Run(replace(request, measured="nothing"), summed=False)
+    analysis = run.replay.analysis
     if not isinstance(analysis, SteadyAnalysis):
         raise UserError(UNKNOWN, str(request.scene.path), INSTEAD)
     rows, refreshed = [], 0
-    for row in replay.frames():
+    for row in run.rows():
         if row["level"] == 1 and not row["refused"]:
             own = {"ms_answer": row["ms"] - beside(row), **_beside(analysis)}
             refreshed += bool(row["pc_rebuilt"])

@@ -15,12 +15,12 @@ from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import FRESH_SHARE, ROUNDS
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import BoundaryNodes, motion
+from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script
 from restshape.scene.model import MeshSpec, Scene, ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.gesture import Gesture, drag
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditSession
 
 KINDS = ("mvc", "pmvc", "harmonic")
 """Linear maps that are compared."""
@@ -78,7 +78,7 @@ def scripted(scene: Scene, script: Script) -> Dragged:
         UserError: there is none that is linear.
     """
     before, found, path, on = None, None, [], ""
-    for frame in EditSession(scene, script).frames():
+    for frame in session_of(scene, script).frames():
         if found is not None and frame.gesture is not found:
             break
         if found is None and frame.do in ("press", "pull") and frame.gesture is not None and frame.gesture.linear:

@@ -6,7 +6,7 @@ from typing import Any
 from restshape_studies.bench.reuse import BASES, Plan, compare
 from restshape_studies.bench.turns import Case
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 POLICIES = ("auto", "thesis", "refactor", "rebuild")
 

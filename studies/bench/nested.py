@@ -10,16 +10,13 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any, cast
 
-from petsc4py import PETSc
-
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
 if TYPE_CHECKING:
     from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
-    from restshape.shape.script_frame import ScriptFrame
 
 BARE, ALL = ("solve.estimate=none",), ("solve.estimate=every",)
 ALONE = ("predict.frame_time=0",)
@@ -35,29 +32,6 @@ WAYS = {
 
 With the estimates that there are by default, without, and with all, residuals and strains included.
 """
-
-
-class IdleSeconds:
-    """Seconds of the processor that a replay spends between two frames.
-
-    Attributes:
-        most: in a single gap.
-    """
-
-    def __init__(self, replay: Replay) -> None:
-        self.most, self._taken, self._idle = 0.0, 0.0, replay.solver.idle
-        replay.solver.idle = self._timed  # type: ignore[method-assign]
-
-    def taken(self) -> float:
-        """Those since this was asked last."""
-        found, self._taken = self._taken, 0.0
-        return found
-
-    def _timed(self, edit: ScriptFrame) -> None:
-        begun = time.process_time()
-        self._idle(edit)
-        self._taken = time.process_time() - begun
-        self.most = max(self.most, self._taken)
 
 
 def nested_drags(
@@ -100,15 +74,15 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
     scene = load_scene(path, words)
     script = load_script(edits, scene)
     request = Request.of(scene, script, "auto", predict="gmls", overrides=words)
-    replay = Replay(request, PETSc.COMM_SELF)
-    analysis = cast("RelaxationAnalysis", replay.analysis)
-    between = IdleSeconds(replay)
-    rows, times, begun = [], [], time.process_time()
-    for row in replay.frames():
+    run = Run(request, summed=False)
+    analysis = cast("RelaxationAnalysis", run.replay.analysis)
+    rows, times, idle, begun = [], [], [], time.process_time()
+    for row in run.rows():
         _ = analysis.x
         now = time.process_time()
         rows.append(row)
-        times.append(now - begun - between.taken())
+        idle.append(run.replay.idle_seconds)
+        times.append(now - begun - idle[-1])
         begun = time.process_time()
     shown = [k for k, row in enumerate(rows) if row["event"] == "drag" and row["predicted"]]
     press = next(k for k, row in enumerate(rows) if row["event"] == "press")
@@ -122,7 +96,7 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
         "frames": len(shown),
         "median": median(times[k] for k in shown) if shown else None,
         "mean": sum(times[k] for k in shown) / len(shown) if shown else None,
-        "idle": between.most,
+        "idle": max(idle),
         "worst": max((times[k] for k in shown), default=None),
         "steps": median(int(rows[k]["solver_steps"]) for k in shown) if shown else None,
         "estimate": max((one for k in shown if not isnan(one := float(rows[k]["estimate"]))), default=None),

@@ -5,14 +5,13 @@ from dataclasses import replace
 from itertools import pairwise
 from statistics import median
 
-from petsc4py import PETSc
 from restshape_studies.bench.job import Job, Row, run
 from restshape_studies.bench.prediction_ways import compare_ways, difference
 from restshape_studies.bench.turns import Announce, Play, found_of, in_turns, median_ratio
 
 from restshape.analysis.analysis import Analysis
 from restshape.errors import UserError
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 
 SHARES = (0.25, 0.5, 0.75, 1.0)
@@ -114,11 +113,12 @@ def measure(request: Request) -> Row:
         frequencies, each over its own; quantities: name -> error over the solved value of the same frame; each for all
         predicted frames; at: part of the farthest way -> largest error up to there; ways: of `compare_ways`.
     """
-    ahead, behind = (Replay(replace(request, predict=kind), PETSc.COMM_WORLD) for kind in ("linear", "none"))
+    both = [Run(replace(request, predict=kind), summed=False) for kind in ("linear", "none")]
+    ahead, behind = (one.replay for one in both)
     way, error = [], []
     names = [f"q_{name}" for name in request.scene.quantities]
     quantities: dict[str, list[tuple[float, float]]] = {name: [] for name in names}
-    for found, true in zip(ahead.frames(), behind.frames()):
+    for found, true in zip(*(one.rows() for one in both)):
         if not (found["predicted"] and found["level"]) or true["refused"]:
             continue
         way.append(ahead.prediction.distance)

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_studies.bench.job import Row
 
 from restshape.algebra.work_counts import pass_seconds
 from restshape.analysis.analysis import Analysis
 from restshape.analysis.frequencies import largest_difference
 from restshape.fem.residuals import energy
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.load import revise
 
@@ -61,28 +60,28 @@ def compare_ways(request: Request) -> Row:
     of the largest), `lag_ms` (edit time since the solved frame of the same drag that it is nearest to) and `energy`
     (relative).
     """
-    exact = Replay(replace(request, predict="none"), PETSc.COMM_WORLD)
-    frames = exact.frames()
+    run = Run(replace(request, predict="none"), summed=False)
+    frames, exact = run.rows(), run.replay
     first = next(frames)
-    replays = {way: Replay(one, PETSc.COMM_WORLD) for way, one in _asked(request, exact.analysis).items()}
-    if MOTION in replays:
-        replays[MOTION].analysis.start_from(exact.analysis)
-    others = [one.frames() for one in replays.values()]
-    seen = {way: Along() for way in replays}
+    runs = {way: Run(one, summed=False) for way, one in _asked(request, exact.analysis).items()}
+    if MOTION in runs:
+        runs[MOTION].replay.analysis.start_from(exact.analysis)
+    others = [one.rows() for one in runs.values()]
+    seen = {way: Along() for way in runs}
     solved: list[tuple[float, np.ndarray]] = []
     line = 0
     for true, *rows in _together(first, frames, others):
         if true["event"] != "drag" or not true["level"] or true["refused"]:
-            for way, row in zip(replays, rows):
+            for way, row in zip(runs, rows):
                 seen[way].sampled += [row["index"]] if "derivative" in row.get("idle_work", "") else []
             continue
         if true["line"] != line:
             solved, line = [], true["line"]
         place = exact.analysis.solution().field
         solved += [] if place is None else [(true["t"], place)]
-        for (way, one), row in zip(replays.items(), rows):
+        for (way, one), row in zip(runs.items(), rows):
             if not row["refused"]:
-                note(seen[way], one.analysis, exact.analysis, row, solved)
+                note(seen[way], one.replay.analysis, exact.analysis, row, solved)
     return {way: one.record() for way, one in seen.items() if one.found}
 
 

@@ -5,6 +5,7 @@ import os
 import resource
 import sys
 import time
+from dataclasses import replace
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
@@ -39,27 +40,26 @@ def request(job: Job) -> Any:
     return Request.of(scene, script, name, guess or None, petsc=job.petsc, predict=job.predict)
 
 
+def run_of(job: Job) -> Any:
+    """The frames of the job, before the first one."""
+    from restshape.interface.run import Run
+
+    # Estimates leave little of the next frame's data in the caches.
+    asked = replace(request(job), measured="all" if job.estimate else "residual")
+    return Run(asked, summed=False, counted=job.count)
+
+
 def play(job: Job, report: Any) -> None:
     """Report a row for each frame, as soon as it is computed."""
-    from petsc4py import PETSc
-
-    from restshape.replay.event_counts import EventCounts
-    from restshape.replay.loop import Replay
-
-    asked = request(job)
-    if job.count:
-        PETSc.Log.begin()
-    replay = Replay(asked, PETSc.COMM_WORLD)
-    # Estimates leave little of the next frame's data in the caches.
-    replay.errors.estimating = job.estimate
-    counts = EventCounts() if job.count else None
+    run = run_of(job)
     left = {int(level): number for level, number in job.enough.items()}
     begin = time.process_time()
-    for row in islice(replay.frames(), job.frames):
+    for frame in islice(run, job.frames):
+        row = frame.row
         row["cpu_ms"] = 1e3 * (time.process_time() - begin)
         row["rss_mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-        if counts:
-            row["events"] = counts.since_last()
+        if frame.counts:
+            row["events"] = frame.counts.events
         report("row", row)
         if row["level"] in left:
             left[row["level"]] -= 1

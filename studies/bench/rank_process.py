@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from restshape_studies.bench.job import Job
-from restshape_studies.bench.process import request
+from restshape_studies.bench.process import run_of
 
 from restshape.cli.verbosity import inherit_verbosity
 from restshape.errors import ReplayProblem, UserError
@@ -165,18 +165,15 @@ def play(job: Job, world: Comm, report: Report) -> None:
     """Replay on all ranks; report a row for each frame, then what each rank has measured."""
     from petsc4py import PETSc
 
-    from restshape.replay.loop import Replay
-
     base = peak_mb()
     PETSc.Log.begin()
-    replay = Replay(request(job), PETSc.COMM_WORLD)
-    replay.errors.estimating = job.estimate
+    run = run_of(job)
     messages, rows = Messages(), []
-    for row in islice(replay.frames(), job.frames):
+    for row in islice(run.rows(), job.frames):
         row["messages"], row["message_bytes"], row["reductions"] = messages.since_last()
         rows.append({key: value for key, value in row.items() if key.startswith("ms")})
         report("row", row)
-    own: dict[str, Any] = {"ms": rows, "peak_mb": peak_mb(), "base_mb": base, **own_work(replay)}
+    own: dict[str, Any] = {"ms": rows, "peak_mb": peak_mb(), "base_mb": base, **own_work(run.replay)}
     working_set = world.allreduce(own["matrix"] + own["preconditioner"])
     if working_set:
         own["bandwidth"] = rates(world, working_set)["bandwidth"]

@@ -14,9 +14,9 @@ from restshape.cli.regret_tables import HEADS, row, total
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from restshape.replay.regret import Regret
+    from restshape.variation.regret import Regret
 
-MEASURE = "restshape.replay.regret"
+MEASURE = "restshape.variation.regret"
 
 
 def declare(parser: argparse.ArgumentParser) -> None:

@@ -3,20 +3,9 @@
 from collections.abc import Iterable
 from typing import Any
 
+from restshape.replay.frame_counts import Calls
+
 Row = dict[str, Any]
-Calls = dict[str, dict[str, list[int]]]
-"""By kernel and purpose: calls, and elements in them."""
-
-
-def difference(more: Calls, less: Calls) -> Calls:
-    """Calls and elements less others; what is the same in both is left out."""
-    found: Calls = {}
-    for name in sorted({*more, *less}):
-        for purpose in sorted({*more.get(name, {}), *less.get(name, {})}):
-            here, there = (counts.get(name, {}).get(purpose, (0, 0)) for counts in (more, less))
-            if tuple(here) != tuple(there):
-                found.setdefault(name, {})[purpose] = [here[0] - there[0], here[1] - there[1]]
-    return found
 
 
 def keys(calls: Calls) -> set[tuple[str, str]]:

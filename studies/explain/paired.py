@@ -11,19 +11,16 @@ from contextlib import contextmanager
 from dataclasses import replace
 from time import monotonic, process_time
 
-from petsc4py import PETSc
-from restshape_studies.explain.calls import Row, difference, moved
+from restshape_studies.explain.calls import Row, moved
 from restshape_studies.explain.filled import Watch, stored, watched_operators
 from restshape_studies.explain.without import without
 
-from restshape import _kernels
 from restshape.algebra import stages
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.mesh import moving
 from restshape.replay import loop
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.shape.script_frame import ScriptFrame
 
 KEPT = (
     "index",
@@ -52,18 +49,6 @@ def processor_time() -> Iterator[None]:
     finally:
         for module, clock in zip(timed, clocks):
             module.perf_counter = clock
-
-
-class Counted(Replay):
-    """A replay whose rows hold the calls of kernels since these were last set to 0.
-
-    `calls` are those of the frame, `calls_beside` those of what is measured off its time.
-    """
-
-    def _measure(self, edit: ScriptFrame, row: Row) -> None:
-        row["calls"] = _kernels.calls()
-        super()._measure(edit, row)
-        row["calls_beside"] = difference(_kernels.calls(), row["calls"])
 
 
 def measure(
@@ -97,7 +82,6 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
         turns = range(len(left_out)) if step == 0 else sorted(running, key=lambda k: (k + step) % len(left_out))
         for k in turns:
             count, entries = stored()[0], watch.entries()
-            _kernels.reset_calls()
             try:
                 if step == 0:
                     running[k] = _frames(asked, left_out[k])
@@ -125,6 +109,8 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
 
 
 def _frames(asked: Request, names: Sequence[str]) -> Iterator[Row]:
-    """The frames of a replay of the scene without these effects."""
+    """The rows of a replay of the scene without these effects, with the calls of kernels of each frame."""
     scene = without(asked.scene, asked.application, names)
-    return Counted(replace(asked, scene=scene), PETSc.COMM_WORLD).frames()
+    for frame in Run(replace(asked, scene=scene), summed=False, counted=True):
+        assert frame.counts is not None, "the run counts"
+        yield {**frame.row, "calls": frame.counts.calls, "calls_beside": frame.counts.calls_beside}

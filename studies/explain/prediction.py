@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from petsc4py import PETSc
-
 from restshape.errors import UserError
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.refined_frames import RefinedFrames
 from restshape.replay.request import Request
 from restshape.scene.edit_script import Press, Pull, Script
@@ -36,7 +34,7 @@ def prediction(scene: Scene, script: Script | None) -> Line:
         return NAME, "nothing", "there is no script, and so no drag"
     request = Request.of(scene, script, predict="gmls")
     try:
-        replay = Replay(request, PETSc.COMM_SELF)
+        replay = Run(request, summed=False).replay
     except UserError as error:
         return NAME, "nothing", f"refused: {error.what}"
     if not any(_holds_the_shape(event, replay.session) for event in script.events):

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from restshape_studies.explain.calls import Calls, Row, chosen, difference, keys, moved, reach, total
+from restshape_studies.explain.calls import Row, chosen, keys, moved, reach, total
 from restshape_studies.explain.filled import Filled
 from restshape_studies.explain.variants import Names, Variants
 
+from restshape.replay.frame_counts import Calls, difference
 from restshape.replay.tally import beside
 
 MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")

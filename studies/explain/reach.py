@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from petsc4py import PETSc
-
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.outputs.si_numbers import counted
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -25,8 +24,9 @@ def reach(scene: Scene, script: Script | None) -> list[Line]:
     if script is None:
         return [(NAME, "nothing", "there is no script, and so no drag")]
     try:
-        replay = Replay(Request.of(scene, script), PETSc.COMM_SELF)
-        for row in replay.frames():
+        run = Run(Request.of(scene, script), summed=False)
+        replay = run.replay
+        for row in run.rows():
             part = getattr(replay.moving, "part", None)
             if row["level"] in (1, 2) and part is not None:
                 break

@@ -9,20 +9,20 @@ import json
 import sys
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from restshape_studies.bench.process import pin
 from restshape_studies.peers.cases import CASES, PeerCase
 
 import restshape
-from restshape.application import application, application_of
-from restshape.calibration import Calibration
-from restshape.policy import policy
-from restshape.replay.loop import Replay
-from restshape.replay.request import Request
+from restshape import Run
+from restshape.application import application
 from restshape.scene.load import load_scene
 from restshape.surroundings import start_petsc
+
+if TYPE_CHECKING:
+    from restshape.replay.loop import Replay
 
 PLAIN = ("solve.jumps=false",)
 
@@ -33,16 +33,11 @@ def scene_path(name: str) -> Path:
     return application(app).folder / "scenes" / f"{scene}.toml"
 
 
-def replay_of(case: PeerCase, frames: int) -> Replay:
-    """The replay of a case, without estimates of errors."""
-    from petsc4py import PETSc
-
+def run_of(case: PeerCase, frames: int) -> Run:
+    """The frames of a case, without estimates of errors."""
     scene = load_scene(scene_path(case.scene), (*PLAIN, *case.overrides))
     script = restshape.new_script(scene, case.events(max(frames, 1)))
-    request = Request(scene, script, application_of(scene), policy(case.policy), Calibration.load())
-    replay = Replay(request, PETSc.COMM_SELF)
-    replay.errors.estimating = False
-    return replay
+    return restshape.replay(scene, script, case.policy, measured="residual")
 
 
 class Handing:
@@ -97,8 +92,8 @@ def play(case: PeerCase, frames: int, folder: Path) -> dict[str, Any]:
     Args:
         case: to play; frames: of the edit, 0 for the first shape alone; folder: that arrays are written into.
     """
-    replay = replay_of(case, frames)
-    handing, rows = Handing(case), replay.frames()
+    run = run_of(case, frames)
+    handing, rows = Handing(case), run.rows()
     sizes: dict[str, int] = {}
     found: dict[str, Any] = {"seconds": [], "processor": [], "levels": []}
     while True:
@@ -109,7 +104,7 @@ def play(case: PeerCase, frames: int, folder: Path) -> dict[str, Any]:
         found["seconds"].append(time.perf_counter() - clock)
         found["processor"].append(time.process_time() - used)
         found["levels"].append(int(row["level"]))
-        handing.take(replay, row)
+        handing.take(run.replay, row)
         sizes = {key: int(row[key]) for key in ("elements", "unknowns")}
         if not frames:
             break

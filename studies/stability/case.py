@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.stability.known_bounds import ENTRIES, TOLERANCE_WHY, Known
-from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
+from restshape_studies.stability.scenery import make_run, rows_of, write_scene, write_script
 
 from restshape.calibration import Calibration
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.parity import Parity
 
 Row = dict[str, Any]
@@ -71,27 +71,27 @@ class Trial:
         policy: str | None = None,
         predict: str = "none",
         calibration: Calibration | None = None,
-    ) -> Replay:
-        """A replay that has not begun, of a scene's file or text and events a tenth of a second apart."""
+    ) -> Run:
+        """A run that has not begun, of a scene's file or text and events a tenth of a second apart."""
         path = scene if isinstance(scene, Path) else write_scene(self.folder, scene)
         script = write_script(self.folder, events) if events else None
-        return make_replay(path, script, policy or self.policy, overrides, calibration, predict=predict)
+        return make_run(path, script, policy or self.policy, overrides, calibration, predict=predict)
 
     def rows(self, scene: str | Path, events: Sequence[Mapping[str, Any]] = (), **more: Any) -> list[Row]:
-        """The rows of such a replay."""
+        """The rows of such a run."""
         return rows_of(self.replay(scene, events, **more))
 
     def compared(
         self, scene: str | Path, events: Sequence[Mapping[str, Any]] = (), every: int = 1, **more: Any
     ) -> tuple[list[Row], list[Statement]]:
-        """The rows of such a replay, and the statements that its frames equal cold solves: every so many of them."""
+        """The rows of such a run, and the statements that its frames equal cold solves: every so many of them."""
         made = self.replay(scene, events, **more)
-        check = Parity(made)
+        check = Parity(made.replay)
         rows = rows_of(made, lambda row: row["index"] % every or check())
         return rows, list(equal(check))
 
 
-Run = Callable[[Trial], Iterable[Statement]]
+Statements = Callable[[Trial], Iterable[Statement]]
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Case:
         weekly: policies under which `make weekly` runs it, and `make test` does not.
     """
 
-    run: Run
+    run: Statements
     policies: tuple[str, ...] = ("auto",)
     exempt: Mapping[str, str] = field(default_factory=dict)
     share: float = 1.0

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_studies.stability.commanded import command_problem, overwriting_problem
 from restshape_studies.stability.example import (
     BYSTANDER,
@@ -24,13 +23,11 @@ from restshape_studies.stability.example import (
 )
 from restshape_studies.verification import FrameCheck, verification
 
+import restshape
 from restshape.application import application_of
-from restshape.calibration import Calibration
 from restshape.errors import UserError
-from restshape.policy import policy
 from restshape.replay.columns import columns_of
 from restshape.replay.loop import Replay
-from restshape.replay.request import Request
 from restshape.replay.summary import summarise
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -124,12 +121,12 @@ def _play(folder: Path, example: Example, played: Played) -> None:
     scene = load_scene(folder / SCENE)
     app = application_of(scene)
     script = load_script(folder / EDITS, scene, keep_good=True)
-    chosen, known = policy(example.policy), Calibration.load()
-    replay = Replay(Request(scene, script, app, chosen, known, predict=example.predict), PETSc.COMM_WORLD)
+    run = restshape.replay(scene, script, example.policy, predict=example.predict)
+    replay = run.replay
     check = verification(app.name).load_frame_check()
     names = set(columns_of(scene, app, example.predict))
     rows = []
-    for row in replay.frames():
+    for row in run.rows():
         rows.append(dict(row))
         played.frames, played.elements = len(rows), rows[0]["elements"]
         played.refused += bool(row["refused"])

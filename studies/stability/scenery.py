@@ -6,13 +6,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from petsc4py import PETSc
-
 from restshape.application import application_of
 from restshape.calibration import Calibration
+from restshape.interface.run import Run
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
-from restshape.replay.request import Request
+from restshape.replay.request import Measured, Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 
@@ -126,7 +125,7 @@ def set_value(key: str, *values: object) -> list[dict[str, Any]]:
     return [{"do": "set", "key": key, "value": value} for value in values]
 
 
-def make_replay(
+def make_run(
     scene: Path,
     script: Path | None = None,
     name: str = "auto",
@@ -134,21 +133,27 @@ def make_replay(
     calibration: Calibration | None = None,
     recorder: Any = None,
     predict: str = "none",
+    measured: Measured = "all",
     **changed: Any,
-) -> Replay:
-    """A replay in this process; `changed` replaces fields of the policy."""
+) -> Run:
+    """A run in this process; `changed` replaces fields of the policy."""
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
     known = calibration or Calibration.load()
-    request = Request(read, edits, application_of(read), chosen, known, predict=predict)
-    return Replay(request, PETSc.COMM_WORLD, recorder)
+    request = Request(read, edits, application_of(read), chosen, known, predict=predict, measured=measured)
+    return Run(request, recorder, summed=False)
 
 
-def rows_of(replay: Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:
-    """All rows of a replay; `look` is called after each."""
+def make_replay(*args: Any, **named: Any) -> Replay:
+    """The frame loop of such a run, for who tests it by itself."""
+    return make_run(*args, **named).replay
+
+
+def rows_of(run: Run | Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:
+    """All rows of a run, or of the frame loop of one; `look` is called after each."""
     rows = []
-    for row in replay.frames():
+    for row in run.rows() if isinstance(run, Run) else run.frames():
         look(row)
         rows.append(dict(row))
     return rows

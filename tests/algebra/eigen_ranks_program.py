@@ -16,7 +16,7 @@ from restshape.algebra.shared_factor import SharedFactor
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 WORLD = PETSc.COMM_WORLD
 SCENES = Path(__file__).parents[1] / "scenes"

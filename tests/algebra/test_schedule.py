@@ -11,11 +11,11 @@ from whole_schedules import best_schedule
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
-from restshape.replay.hindsight import Watch
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
+from restshape.variation.hindsight import Watch
 
 
 def by_hand(refreshes, refresh, frame):

@@ -9,7 +9,7 @@ from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower
 
 from restshape.analysis.frequencies import lowest_modes
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 TIGHT = "solve.tolerance=1e-7"
 PUSHED = [

@@ -15,7 +15,7 @@ from small_scenes import make_replay, rows_of, write_scene
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 ELASTICA = pathlib.Path(__file__).parents[1] / "scenes" / "elastica.toml"
 CUT = re.compile(r"Load step cut to (\S+) of the load, at (\S+): (.+)")

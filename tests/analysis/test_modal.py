@@ -5,7 +5,7 @@ import pytest
 from modal import EDITS, SCENES, replay, solved
 
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.parity import Parity
 
 WILD = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml", "units": "m"}

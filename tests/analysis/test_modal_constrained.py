@@ -6,7 +6,7 @@ from modal import SCENES
 from scipy.linalg import eigh
 
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 
 def exact(analysis) -> np.ndarray:

@@ -7,7 +7,7 @@ import pytest
 from large import beam
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 
 @pytest.mark.parametrize(("tolerance", "reached"), [(1e-6, True), (1e-10, False)])

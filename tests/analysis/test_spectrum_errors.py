@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from modal import SCENES as METALLOPHONE
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 COLUMN = METALLOPHONE / "column.toml"
 

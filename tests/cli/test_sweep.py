@@ -16,7 +16,7 @@ from restshape import bounds
 from restshape.analysis.modal import ModalAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 from restshape.variation.runs import Sweep
 from restshape.variation.sweep_notes import sweep_notes

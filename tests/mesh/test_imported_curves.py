@@ -8,10 +8,10 @@ import pytest
 from small_scenes import head
 
 from restshape.cli.doubts import doubts
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.imported_curves import BoundaryChain
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 A, SIDE = 0.1, 0.5

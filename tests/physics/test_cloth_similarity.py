@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cloths import BALL, CONTACT, write_cloth
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 CLAMP = '[supports.clamp]\non = "left"\nfix = ["x", "y", "z", "slope"]\n'
 SCALES = [2.0**-13, 2.0**-10, 2.0**10]

@@ -5,8 +5,8 @@ import pytest
 from cloths import HEAD
 
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.drape_shadow import DIRECTIONS, DrapeShadow, count_folds
-from restshape.replay.first_frame import first_frame
 
 ANGLES = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 

@@ -6,10 +6,10 @@ from manufactured import SCENES, displacement, gradient
 from small_scenes import HEAD, block, write_scene
 
 from restshape import _kernels
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import collapsed
 from restshape.mesh.transfer import transfer
-from restshape.replay.first_frame import first_frame
 
 LINEAR = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
 

@@ -10,12 +10,12 @@ from test_pattern_panels import garment, panel
 from restshape import _kernels
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.layer_order import LayerOrder, Layers, is_another_order, outer_sides
 from restshape.physics.cloth.lines_through import lines_through
 from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
 from restshape.physics.cloth.sewn_neighbours import shared_nodes, with_shared
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 THICK = 2e-3

@@ -8,8 +8,8 @@ from small_scenes import CLAMPED, HEAD, HOLE, STEEL, block, make_replay, meshed,
 
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import INTERNAL
-from restshape.interface.replayed_files import replay_files
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
+from restshape.interface.replays import replay_files
 
 WIDTH, HEIGHT, THICKNESS, RHO = 1.0, 1.0, 0.01, 8000.0
 BODY = HEAD + block() + STEEL + CLAMPED + meshed(0.13)

@@ -6,11 +6,11 @@ from drape_designs import COTTON, DrapeDesign
 from small_scenes import head, make_replay, meshed, rows_of, write_scene, write_script
 
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.generate import generate
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.sensitivity.pattern_numbers import draws, pattern_motion
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 from restshape.shape.build import unchecked_outline
 

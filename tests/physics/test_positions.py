@@ -8,8 +8,8 @@ from cloths import PIN, write_cloth
 from small_scenes import HEAD, block, make_replay, meshed, write_scene, write_script
 
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.elasticity.singular_places import singular_quantities
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 

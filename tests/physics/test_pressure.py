@@ -6,7 +6,7 @@ from large import beam, solid
 from small_scenes import make_replay, rows_of, write_scene
 
 from restshape.fem.problem import FOLLOWERS
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 WIND = '\n[loads.wind]\non = "top"\npressure = 2000\n'
 

@@ -18,10 +18,10 @@ from restshape.errors import UserError
 from restshape.fem.observer import area
 from restshape.fem.quantity_error import dual_solution
 from restshape.fem.residuals import tangent_product
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.enriched_space import EnrichedSpace
 from restshape.replay.columns import columns_of
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
-from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.summary import summarise

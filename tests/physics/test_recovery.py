@@ -5,7 +5,7 @@ import pytest
 from small_scenes import HEAD, block
 
 from restshape import _kernels
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 TWO_MATERIALS = """
 [shape.regions]

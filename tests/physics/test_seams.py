@@ -12,6 +12,7 @@ from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.elements import HINGE, SEAM_FLAT
 from restshape.fem.integral import Integral
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.membrane import Membrane
@@ -21,7 +22,6 @@ from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceRepo
 from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
 from restshape.physics.cloth.seams import Seams, Springs
 from restshape.physics.cloth.sensitivity.hand_rates import node_motion
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 TUBE = """

@@ -9,9 +9,9 @@ import pytest
 from small_scenes import HEAD, block, write_scene
 
 from restshape.fem import part_space
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.reconnect import Reconnection
 from restshape.physics.elasticity.plane_solid import PlaneSolid
-from restshape.replay.first_frame import first_frame
 
 SCENE = f"""
 {HEAD}{block()}[shape.regions.core]

@@ -5,7 +5,7 @@ import pytest
 from modal import SCENES
 
 from restshape import _kernels
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 FISH = np.array([614.35, 1154.05, 1676.04, 2382.29, 3191.95])
 """Frequencies [Hz] of mesh.order=2, mesh.layers=2, mesh.size="2.5 mm"."""

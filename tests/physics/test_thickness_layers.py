@@ -7,9 +7,9 @@ import pytest
 from modal import SCENES, solved
 from scipy.optimize import brentq
 
+from restshape.interface.first_frame import first_frame
 from restshape.physics.elasticity.inspection import inspect_vibrating
 from restshape.physics.elasticity.thickness_layers import layers_of, usual_layers
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 

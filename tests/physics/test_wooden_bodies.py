@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 LENGTH, WIDTH, THICKNESS = 0.4, 0.02, 0.004
 MODULUS, DENSITY = {0: 14.3e9, 90: 1.53e9}, 825.0

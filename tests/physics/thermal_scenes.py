@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from restshape_studies.stability.scenery import write_scene
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "conduction"\n'

@@ -10,10 +10,10 @@ from small_scenes import across, drag, plate, write_scene, write_script
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.policy import policy
-from restshape.replay.regret import measure
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
+from restshape.variation.regret import measure
 
 pytestmark = pytest.mark.skipif(PETSc.COMM_WORLD.size > 1, reason="one rank")
 APPS = Path(__file__).parents[2] / "apps"

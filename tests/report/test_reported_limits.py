@@ -13,9 +13,9 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.cli.main import main
 from restshape.cli.report_tables import _quantity as report_row
+from restshape.interface.first_frame import first_frame
 from restshape.replay.columns import columns_of, error_column
 from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
-from restshape.replay.first_frame import first_frame
 from restshape.replay.recorder import Recorder
 from restshape.replay.recording import Recording
 from restshape.replay.request import Request

@@ -7,8 +7,8 @@ import pytest
 
 from restshape.application import application
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.elasticity.elasticity_declaration import PLANE_SOLIDS
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import as_written, plan
 

@@ -11,7 +11,7 @@ from restshape.analysis.steady import SteadyAnalysis
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
 from restshape.scene.physics import PictureField

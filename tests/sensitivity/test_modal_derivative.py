@@ -6,7 +6,7 @@ from modal import SCENES, SMALL, solved
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.frame import Frame
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.sensitivity.frequency_derivative import (
     clusters,
     design_products,

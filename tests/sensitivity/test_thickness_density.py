@@ -6,7 +6,7 @@ from modal import SCENES, solved
 
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.sensitivity.frequency_derivative import frequency_derivatives
 from restshape.sensitivity.parameter_derivative import parameter_derivatives
 from restshape.sensitivity.thickness_density import thickness_density, thickness_gradient

@@ -18,11 +18,12 @@ from restshape.calibration import Calibration
 from restshape.mesh.moving import MovingMesh
 from restshape.policy import policy
 from restshape.replay.constraints import HOLDS, constraint_status, limits_of
+from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
-from restshape.shape.session import EditFrame, EditSession
+from restshape.shape.session import EditFrame
 
 FOLDER = application("bridge").folder
 SCENE, EDITS = FOLDER / "scenes" / "bridge.toml", FOLDER / "edits" / "bridge-on-demand.jsonl"
@@ -32,7 +33,7 @@ REFINEMENTS = (1, 2, 4)
 def designs() -> Iterator[tuple[Scene, Outline]]:
     """The designs that the script asks an analysis of."""
     scene = load_scene(SCENE)
-    for frame in EditSession(scene, load_script(EDITS, scene)).frames():
+    for frame in session_of(scene, load_script(EDITS, scene)).frames():
         if frame.do == "analyse":
             yield frame.scene, frame.outline
 

@@ -13,7 +13,7 @@ import numpy as np
 from restshape.application import application
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
-from restshape.interface.replayed_files import replay_files
+from restshape.interface.replays import replay_files
 from restshape.outputs.kinds import PictureFile
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.scene.load import load_scene

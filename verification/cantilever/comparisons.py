@@ -4,7 +4,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import OWN, Case, Check
 
 from restshape.application import application
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -18,8 +18,8 @@ def missed(comm: PETSc.Comm, *overrides: str) -> float:
     """The mean distance [m] from the goal at the end of the session."""
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(Request.of(scene, script, "auto"), comm)
-    return [row["q_miss"] for row in replay.frames()][-1]
+    run = Run(Request.of(scene, script, "auto"), summed=False, comm=comm)
+    return [row["q_miss"] for row in run.rows()][-1]
 
 
 def goal(comm: PETSc.Comm) -> list[Check]:

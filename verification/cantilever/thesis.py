@@ -7,7 +7,7 @@ from restshape_studies.bench.starts import table_rows
 from restshape_studies.bench.turns import Case
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 FOLDER = application("cantilever").folder
 CASE = Case("cantilever", FOLDER / "scenes/cantilever.toml", FOLDER / "edits/cantilever.jsonl")

@@ -11,7 +11,7 @@ from restshape_verification.couture.validation_buckling import BLADE, critical, 
 from restshape_verification.couture.validation_cantilever import bent
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SPHERE = application("couture").folder / "scenes" / "sphere.toml"
 COARSE = ["effects.cloth.bending=hinge", 'mesh.size="40 mm"']

@@ -9,14 +9,12 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from petsc4py import PETSc
 from restshape_verification.couture.thesis import ALONE, HINGE, LENGTHS, STEP_TOLERANCES, Stepped
 
+import restshape
 from restshape.application import application
 from restshape.cli.options import add_json, add_set, print_table, write_json
-from restshape.replay.first_frame import first_frame
-from restshape.replay.loop import Replay
-from restshape.replay.request import Request
+from restshape.interface.first_frame import first_frame
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -37,10 +35,10 @@ def frames(
     """Columns of each frame of a replay, with `own`, its seconds of the processor."""
     read = load_scene(scene, overrides)
     script = load_script(edits, read) if edits else None
-    replay = Replay(Request.of(read, script, predict=predict), PETSc.COMM_SELF)
+    run = restshape.replay(read, script, predict=predict)
     found, begun = [], process_time()
-    for row in replay.frames():
-        found.append({**row, "own": process_time() - begun, "nodes": len(replay.analysis.space.X)})
+    for row in run.rows():
+        found.append({**row, "own": process_time() - begun, "nodes": len(run.replay.analysis.space.X)})
         begun = process_time()
     return found
 

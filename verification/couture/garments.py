@@ -14,7 +14,7 @@ from restshape.application import application
 from restshape.cli.options import add_json, add_set, print_table, write_json
 from restshape.cli.progress import progress
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.body_sizes import BODIES
 from restshape.scene.load import load_scene
 

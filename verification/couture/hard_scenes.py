@@ -90,8 +90,8 @@ def square(
 
 def played(trial: Trial, text: str, events: Sequence[dict[str, Any]] = (), **more: Any) -> tuple[Replay, list[Row]]:
     """A replay that has ended, and its rows."""
-    made = trial.replay(text, events, **more)
-    return made, rows_of(made)
+    run = trial.replay(text, events, **more)
+    return run.replay, rows_of(run)
 
 
 def differenced(made: Replay, most: int = 600, way: float = WAY) -> float:

@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from restshape_studies.stability.scenery import make_replay, write_script
+from restshape_studies.stability.scenery import make_run, write_script
 
 from restshape.cli.options import add_scene, read_scene, write_json
 from restshape.cli.parser import add_edits
 from restshape.cli.progress import progress
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.outputs.si_numbers import si
-from restshape.replay.loop import Replay
 
 SAME = 1e-3
 """Distance over the size of the cloth up to which two drapes are the same: ten times the tolerance of forces."""
@@ -100,40 +100,40 @@ def compared(
         ways = [
             write_script(Path(folder), map(dict, one), f"{k}.jsonl") for k, one in enumerate((events, halved(events)))
         ]
-        made = [make_replay(scene, script, policy, overrides) for script in ways]
+        made = [make_run(scene, script, policy, overrides) for script in ways]
         return list(ends_of_edits(made, dict(enumerate(events, 2))))[-1]
 
 
 def ends_of_edits(
-    replays: Sequence[Replay],
+    runs: Sequence[Run],
     events: Mapping[int, Mapping[str, Any]],
     count: Callable[[int], None] = lambda frames: None,
 ) -> Iterator[Ends]:
     """The ends of both ways after each edit of a script, as soon as they are known; without any, at its end.
 
     Args:
-        replays: of both ways.
+        runs: of both ways.
         events: of the script, by line.
         count: called with 1 after each frame.
     """
     edits = [line for line, event in events.items() if event["do"] not in RESTING] or [max(events, default=0)]
-    first, second = (drapes(replay, edits, count) for replay in replays)
+    first, second = (drapes(one, edits, count) for one in runs)
     # All of the first way, whose drapes are kept, so that each end of the second one is compared at once.
     for one, (line, other) in zip(list(first), second):
         yield between(one[1], other, line)
 
 
-def drapes(replay: Replay, edits: Sequence[int], count: Callable[[int], None]) -> Iterator[tuple[int, Drape]]:
-    """The drapes of a replay at the ends of edits, which are lines of its script, with these."""
+def drapes(run: Run, edits: Sequence[int], count: Callable[[int], None]) -> Iterator[tuple[int, Drape]]:
+    """The drapes of a run at the ends of edits, which are lines of its script, with these."""
     last, frames, converged = None, 0, True
-    for row in replay.frames():
+    for row in run.rows():
         count(1)
         if last is not None and row["line"] != last[0]:
             yield last
             last = None
         frames, converged = frames + 1, converged and bool(row["converged"]) and not row["refused"]
         if row["line"] in edits:
-            analysis = replay.analysis
+            analysis = run.replay.analysis
             x, problem = analysis.x.copy(), analysis.problem
             last = row["line"], Drape(frames, problem.energy(x), problem.corners(x), problem.size, converged)
     if last is not None:
@@ -172,10 +172,10 @@ def run(args: argparse.Namespace) -> int:
         path = Path(folder) / "halved.jsonl"
         path.write_text("\n".join(lines), encoding="utf-8")
         scripts.append(load_script(path, scene))
-        replays = [make_replay(args.scene, script.path, overrides=args.set) for script in scripts]
+        runs = [make_run(args.scene, script.path, overrides=args.set) for script in scripts]
         with progress(False, sum(script.frame_count for script in scripts)) as count:
             found = []
-            for ends in ends_of_edits(replays, events, count):
+            for ends in ends_of_edits(runs, events, count):
                 print(f"line {ends.line}: {ends.report()}", flush=True)
                 found.append(ends)
     if len(found) > 1:

@@ -37,9 +37,10 @@ def deep(trial: Trial) -> Iterator[Statement]:
     places = [[0.15, 0.15, -0.04], [0.15, 0.15, -0.5], [0.2, 0.1, -0.06], [0.15, 0.15, -0.5]]
     for kind in ("morley", "hinge"):
         text = square(0.025, far, CONTACT, HAMMOCK, kind=kind)
-        made, seen = trial.replay(text, set_value(CENTRE, *places)), []
+        run, seen = trial.replay(text, set_value(CENTRE, *places)), []
+        made = run.replay
         rows = []
-        for row in made.frames():
+        for row in run.rows():
             rows.append(dict(row))
             seen.append(depth(made))
         yield from resting(made, rows)
@@ -53,9 +54,10 @@ def deep(trial: Trial) -> Iterator[Statement]:
 def swollen(trial: Trial) -> Iterator[Statement]:
     """The ball that cloth lies on is twice as large in one frame, half in the next, and as at first."""
     text = square(0.025, ball(0.15, 0.15), CONTACT, floor(-0.3))
-    made = trial.replay(text, set_value("bodies.ball.sphere.radius", 0.2, 0.1, 0.05, 0.1))
+    run = trial.replay(text, set_value("bodies.ball.sphere.radius", 0.2, 0.1, 0.05, 0.1))
+    made = run.replay
     rows, most = [], 0.0
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         most = max(most, depth(made))
     yield from resting(made, rows)

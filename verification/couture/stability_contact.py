@@ -76,9 +76,10 @@ def ten_metres(trial: Trial) -> Iterator[Statement]:
 def closing(trial: Trial) -> Iterator[Statement]:
     """Two boxes close upon cloth to 1.5 thicknesses of contact in one frame, and open again."""
     text = square(0.025, PRESS, CONTACT, floor(-0.2))
-    made = trial.replay(text, set_value("bodies.high.box.center", [0.15, 0.15, 0.051], [0.15, 0.15, 0.15]))
+    run = trial.replay(text, set_value("bodies.high.box.center", [0.15, 0.15, 0.051], [0.15, 0.15, 0.15]))
+    made = run.replay
     rows, most = [], 0.0
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         most = max(most, depth(made))
     yield from resting(made, rows)
@@ -89,8 +90,9 @@ def needle(trial: Trial) -> Iterator[Statement]:
     """A needle of 1 mm rises by 60 mm through where a cloth hangs that is held at its corners, in one frame."""
     text = square(0.03, NEEDLE.format(x=0.16, z=-0.08), CONTACT, pinned("a", "b", "c", "d"))
     ends = [{"start": [0.16, -0.1, z], "end": [0.16, 0.4, z], "radius": 0.0005} for z in (-0.02,)]
-    made = trial.replay(text, set_value("bodies.needle.capsule", *ends))
-    rows: list[Row] = [dict(row) for row in made.frames()]
+    run = trial.replay(text, set_value("bodies.needle.capsule", *ends))
+    made = run.replay
+    rows: list[Row] = [dict(row) for row in run.rows()]
     yield from resting(made, rows)
     yield outside(made, 0.5e-3)
     yield above("height of the cloth over the needle [m]", _over(made, 0.16), -0.02)
@@ -116,9 +118,10 @@ def through_a_ring(trial: Trial) -> Iterator[Statement]:
     """A handkerchief hangs from a corner, and a ring goes down over it: all that is at its level is gathered in it."""
     hung = f"\n[start]\nturn = [{-np.pi / 2}, {np.pi / 4}, 0]\n[parameters]\nring = -0.02\n"
     text = square(0.012, ring(), CONTACT, pinned("a"), hung, side=0.15, bending=1e-6)
-    made = trial.replay(text, set_value("parameters.ring", -0.06, -0.1))
+    run = trial.replay(text, set_value("parameters.ring", -0.06, -0.1))
+    made = run.replay
     rows: list[Row] = []
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         places, level = samples(made), made.analysis.state.bodies[0].form.start[2]
         away = np.hypot(places[:, 0], places[:, 1])[np.abs(places[:, 2] - level) < 1e-3]

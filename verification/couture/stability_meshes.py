@@ -87,11 +87,12 @@ def mesh_band(trial: Trial) -> Iterator[Statement]:
     """A ball whose grid ends 3 mm from its surface is deep in a cloth in one frame, and gone in the next."""
     far, deep = [0.15, 0.15, -0.5], [0.15, 0.15, -0.04]
     narrow = body(trial, ball(0.1, 10), "spacing = 0.01, band = 0.003", tuple(far))
-    made = trial.replay(
+    run = trial.replay(
         square(0.03, narrow, CONTACT, pinned("a", "b", "c", "d")), set_value("bodies.body.mesh.move", deep, far)
     )
+    made = run.replay
     rows, seen = [], []
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         seen.append(depth(made))
     yield from resting(made, rows)
@@ -102,9 +103,10 @@ def mesh_band(trial: Trial) -> Iterator[Statement]:
 def growing(trial: Trial) -> Iterator[Statement]:
     """The hips of a mannequin grow under a skirt, and an undo takes them back: at rest, outside, and as it was."""
     wider = {"do": "set", "key": "parameters.hip", "value": "104 cm", "frames": 1}
-    made = trial.replay(GROWING, [wider, {"do": "undo"}], COARSE)
+    run = trial.replay(GROWING, [wider, {"do": "undo"}], COARSE)
+    made = run.replay
     rows, seen = [], []
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         seen.append(depth(made))
     yield from resting(made, rows)

@@ -29,8 +29,9 @@ def predicted_snap(trial: Trial) -> Iterator[Statement]:
     path = [({"do": "drag", "path": across(a, b, 8)}, *rests) for a, b in pairwise(places)]
     events = [press, *(event for part in path for event in part), release]
     for way in ("linear", "gmls"):
-        made, rows = trial.replay(text, events, predict=way), []
-        for row in made.frames():
+        run, rows = trial.replay(text, events, predict=way), []
+        made = run.replay
+        for row in run.rows():
             rows.append(dict(row))
         shown = [row for row in rows if row["predicted"]]
         yield above(f"frames predicted ({way})", len(shown), 8)
@@ -56,9 +57,10 @@ def refined_drag(trial: Trial) -> Iterator[Statement]:
     turns = trial.count(500, 6)
     rests = {"do": "idle", "frames": 2}
     way = [{"do": "drag", "path": across(a, b, 9)} for a, b in ((there, back), (back, there))]
-    made = trial.replay(text, [press, *([*way, rests] * turns), release], predict="gmls")
+    run = trial.replay(text, [press, *([*way, rests] * turns), release], predict="gmls")
+    made = run.replay
     used, first, row, shown, largest, resting = [], None, {}, 0, 0.0, 0
-    for row in made.frames():
+    for row in run.rows():
         first = made.analysis.x.copy() if first is None else first
         if row["level_shown"] == 1:
             shown, largest = shown + 1, max(largest, row["estimate"])

@@ -17,10 +17,10 @@ from restshape_verification.couture.thesis_edits import edit_rows
 from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.application import application
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
-from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 FIGURE, TABLE, SOLVERS, BALL = "figure 5.16", "5.1", "5.1, solvers", "figure 5.21"

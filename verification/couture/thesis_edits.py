@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from restshape.application import application
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.physics.cloth.sensitivity.drape_derivative import hand_derivative
-from restshape.replay.first_frame import first_frame
 from restshape.scene.load import load_scene
 from restshape.scene.model import Scene
 from restshape.sensitivity.projected_samples import LeftSamples

@@ -11,8 +11,8 @@ from restshape_verification.couture.body_files import ball, bar, slab, with_body
 from restshape_verification.couture.validation_friction import AXIS, MOST, SCENES, slipping
 
 from restshape import _kernels
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.closed_surface import read_closed_surface
-from restshape.replay.first_frame import first_frame
 
 PLANE = 'plane = { point = [0.05, 0.05, -0.002], normal = ["sin(slope)", 0, "cos(slope)"] }'
 ROUND = "sphere = { center = [0.05, 0.05, -0.202], radius = 0.2 }"

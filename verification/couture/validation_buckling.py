@@ -5,9 +5,9 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, Check
 
 from restshape.application import application
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.replay.first_frame import first_frame
 
 BLADE = application("couture").folder / "scenes" / "blade.toml"
 D, NU, DENSITY, STRETCH = 1e-3, 0.3, 0.1, 1e4

@@ -5,7 +5,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, Check
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay
 
 SCENES = application("couture").folder / "scenes"

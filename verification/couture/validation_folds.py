@@ -8,8 +8,8 @@ from restshape_verification.couture.nested_folds import nested_heights
 from restshape_verification.couture.placed_strips import along, fix, heights_at, placed, rested
 from restshape_verification.couture.validation_layers import FOLDED, GUESS, SCENES, loop_height
 
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.replay.first_frame import first_frame
 
 LENGTH, WIDTH, FLAT, MIDDLE = 0.76, 5e-3, 0.18, 0.13
 """Length and width [m] of the strip, how far lower layers lie flat at first, and where all four are flat [m]."""

@@ -11,10 +11,10 @@ from restshape_studies.validation.case import CLOSED_FORM, Check
 from scipy.optimize import brentq
 
 from restshape.application import application
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 THIN = 0.5e-3

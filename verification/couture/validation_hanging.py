@@ -6,8 +6,8 @@ from restshape_studies.validation.case import CLOSED_FORM, Check
 from scipy.optimize import brentq
 
 from restshape.application import application
-from restshape.interface.replayed_files import replay_files
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
+from restshape.interface.replays import replay_files
 
 FOLDER = application("couture").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"

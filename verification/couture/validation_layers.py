@@ -15,6 +15,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_boundary import ClothSupports
 from restshape.physics.cloth.cloth_problem import ClothProblem
@@ -22,7 +23,6 @@ from restshape.physics.cloth.collision_surface import CollisionSurface
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
-from restshape.replay.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 FOLDED = [

@@ -9,7 +9,7 @@ from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, Check
 from restshape_verification.couture.validation_cantilever import bent, off, tip
 
 from restshape.application import application
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -38,8 +38,8 @@ def sag(overrides: Sequence[str], comm: PETSc.Comm) -> float:
     """Of the chain at d/l = 0.9, where the script's fifth frame has it [m]."""
     scene = load_scene(SCENES / "catenary.toml", overrides)
     script = load_script(EDITS / "catenary.jsonl", scene)
-    replay = Replay(Request.of(scene, script, "auto"), comm)
-    return float(next(islice(replay.frames(), 4, None))["q_sag"])
+    run = Run(Request.of(scene, script, "auto"), summed=False, comm=comm)
+    return float(next(islice(run.rows(), 4, None))["q_sag"])
 
 
 def slope(errors: Sequence[float]) -> float:

@@ -9,8 +9,8 @@ from restshape_studies.validation.case import CLOSED_FORM, Check
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
-from restshape.replay.first_frame import first_frame
 
 HEAD = 'format = "restshape-scene"\nversion = 1\napp = "couture"\n'
 MEMBRANE, BENDING = 300.0, 5e-6

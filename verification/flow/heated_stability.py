@@ -60,9 +60,10 @@ def squeezed(trial: Trial) -> Iterator[Statement]:
 def no_difference(trial: Trial) -> Iterator[Statement]:
     """A vessel whose walls are as warm as the fluid, with buoyancy: no temperature is looked for, and nothing moves."""
     text = vessel(5e-4, 0.1).replace("300.5 K", "300 K").replace("299.5 K", "300 K")
-    made = trial.replay(text, [idle(3), *LID, idle(2)])
+    run = trial.replay(text, [idle(3), *LID, idle(2)])
+    made = run.replay
     rows, columns = [], set()
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         columns.add(made.analysis.x.shape[1])
     yield from valid(rows)

@@ -5,7 +5,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.stability.scenery import across, drag, make_replay, write_scene, write_script
+from restshape_studies.stability.scenery import across, drag, make_run, write_scene, write_script
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, Check
 from restshape_verification.flow.heated_scenes import BUOYANT, HEAD, SQUARE, in_time
 
@@ -51,9 +51,10 @@ def _played(steps: int, buoyant: bool) -> tuple[float, float, float]:
     text = vessel(END / steps, 2.0 / steps, buoyant)
     events = drag("top", (0.5, 1.0), across((0.5, 1.0), (0.5, LOWERED), steps))
     with TemporaryDirectory() as folder:
-        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), events))
+        run = make_run(write_scene(Path(folder), text), write_script(Path(folder), events))
+        made = run.replay
         balance, before = 0.0, None
-        for _ in made.frames():
+        for _ in run.rows():
             space, analysis = made.analysis.space, made.analysis
             if before is None:
                 analysis.begin(_warm(space.X))

@@ -11,7 +11,7 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.stability.scenery import head, write_scene
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 MIDDLE, TOP, STRETCHED = 0.2, 0.41, 0.1
 """Heights [m] of the cylinder's middle and of the channel; above the middle by more than the last it is stretched."""

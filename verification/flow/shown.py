@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
-from restshape_studies.stability.scenery import make_replay, write_scene, write_script
+from restshape_studies.stability.scenery import make_run, write_scene, write_script
 
 from restshape.analysis.analysis import Analysis
 from restshape.analysis.frame import Frame
 from restshape.fem.space import Space
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay
 
 
@@ -42,9 +42,9 @@ def played(
         measure: of nodal errors (n, 3) on a space.
     """
     with TemporaryDirectory() as folder:
-        made, found = make_replay(write_scene(Path(folder), text), write_script(Path(folder), events)), []
-        for row in made.frames():
-            analysis = made.analysis
+        run, found = make_run(write_scene(Path(folder), text), write_script(Path(folder), events)), []
+        for row in run.rows():
+            analysis = run.replay.analysis
             if row["index"] == 0:
                 analysis.begin(exact(analysis.space.X, 0.0))
             found.append(measure(analysis.space, analysis.x - exact(analysis.space.X, analysis.time)))

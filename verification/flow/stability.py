@@ -66,11 +66,12 @@ def long_steps(trial: Trial) -> Iterator[Statement]:
 
 def tiny_steps(trial: Trial) -> Iterator[Statement]:
     """Steps of a microsecond after such of two milliseconds: a flow that has settled stays what it is."""
-    steady = trial.replay(stream(0.02, STEADY))
-    rows_of(steady)
+    still = trial.replay(stream(0.02, STEADY))
+    rows_of(still)
     events = [idle(60), *set_value("effects.flow.time_step", 1e-6), idle(5)]
-    made, rows, settled = trial.replay(stream(0.02, in_time(2e-3)), events), [], steady.analysis.x
-    for row in made.frames():
+    run, rows, settled = trial.replay(stream(0.02, in_time(2e-3)), events), [], still.replay.analysis.x
+    made = run.replay
+    for row in run.rows():
         if row["index"] == 0:
             made.analysis.begin(settled)
         if row["index"] == 60:
@@ -127,9 +128,9 @@ def leaving_vortex(trial: Trial) -> Iterator[Statement]:
     """A vortex twice as fast as the stream that takes it out: the outflow draws in while it leaves."""
     slip = '[boundary.sides]\non = ["bottom", "top"]\nslip = true\n'
     text = channel(3.0, 1.0, "rho = 1\nmu = 1e-4\n", "1") + slip + in_time(0.05) + "[mesh]\nsize = 0.1\n"
-    made, rows, drew_in = trial.replay(text + OBSERVED, [idle(60)]), [], False
-    for row in made.frames():
-        analysis = made.analysis
+    run, rows, drew_in = trial.replay(text + OBSERVED, [idle(60)]), [], False
+    for row in run.rows():
+        analysis = run.replay.analysis
         if row["index"] == 0:
             away = analysis.space.X - [2.3, 0.5]
             spin = 2.0 * np.exp(0.5 - (away**2).sum(axis=1) / 0.08) / 0.2

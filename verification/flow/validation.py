@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from petsc4py import PETSc
 from restshape_studies.each_week import each_week
-from restshape_studies.stability.scenery import across, drag, make_replay, set_value, write_scene, write_script
+from restshape_studies.stability.scenery import across, drag, make_run, set_value, write_scene, write_script
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PUBLISHED, Case, Check
 from restshape_verification.flow.mirrored_channel import write_mesh
 from restshape_verification.flow.scenes import (
@@ -25,8 +25,8 @@ from restshape_verification.flow.shown import played, shown
 from restshape_verification.flow.validation_derivatives import force_derivatives
 from restshape_verification.flow.validation_orders import kovasznay_rates, vortices_in_space, vortices_in_time
 
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.transfer import Transfer
-from restshape.replay.first_frame import first_frame
 
 SPECTRAL = "spectral elements, whose last two orders differ by less than 2e-3; Botella and Peyret (1998) within 0.04 %"
 CAVITIES = {100: (0.02, (-0.2140424, 0.1795728, -0.2538030)), 1000: (0.015, (-0.388580, 0.376963, -0.52689))}
@@ -88,8 +88,8 @@ def street(comm: PETSc.Comm) -> list[Check]:
     for time_step, frames in ((0.004, 250), (LAST, 700)):
         events += [*set_value("effects.flow.time_step", time_step), {"do": "idle", "frames": frames}]
     with TemporaryDirectory() as folder:
-        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), events))
-        rows = [(row["q_drag"], row["q_lift"], row["q_street"]) for row in made.frames()]
+        run = make_run(write_scene(Path(folder), text), write_script(Path(folder), events))
+        rows = [(row["q_drag"], row["q_lift"], row["q_street"]) for row in run.rows()]
     # A period is a third of a second.
     largest, lift, (*_, number) = np.array(rows[-round(0.4 / LAST) :]).T
     return [
@@ -119,8 +119,8 @@ def brought_back(comm: PETSc.Comm) -> list[Check]:
     text = channel(3, 1, "rho = 1.5\nmu = 0.1\n", holes=disc("body", (1.0, 0.5), 0.15)) + STEADY + asked + mesh
     path = [*across((1.0, 0.5), (1.2, 0.56), 3), *across((1.2, 0.56), (1.0, 0.5), 3)]
     with TemporaryDirectory() as folder:
-        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), drag("body", (1.0, 0.5), path)))
-        forces = [row["q_drag"] for row in made.frames()]
+        run = make_run(write_scene(Path(folder), text), write_script(Path(folder), drag("body", (1.0, 0.5), path)))
+        forces = [row["q_drag"] for row in run.rows()]
     checks = [Check("drag of a body that is brought back [N]", forces[-1], forces[0], 1e-9, "the same shape", IDENTITY)]
     # In time what the motion brought about must die away first.
     timed = text.replace(STEADY, in_time(0.2)).replace(
@@ -142,8 +142,8 @@ def _idle(frames: int) -> dict[str, object]:
 def _last_forces(text: str, events: list[dict[str, object]]) -> tuple[float, float]:
     """Drag and lift [N] of the body long after a script."""
     with TemporaryDirectory() as folder:
-        made = make_replay(write_scene(Path(folder), text), write_script(Path(folder), [*events, _idle(SETTLED)]))
-        *_, last = ((row["q_drag"], row["q_lift"]) for row in made.frames())
+        run = make_run(write_scene(Path(folder), text), write_script(Path(folder), [*events, _idle(SETTLED)]))
+        *_, last = ((row["q_drag"], row["q_lift"]) for row in run.rows())
     return last
 
 

@@ -5,7 +5,7 @@ from restshape_studies.validation.case import OWN, Case, Check
 from restshape_verification.metallophone.reference import EDITS, SCENES
 from restshape_verification.metallophone.validation import PLATE
 
-from restshape.interface.replayed_files import replay_files
+from restshape.interface.replays import replay_files
 
 
 def reused(comm: PETSc.Comm) -> list[Check]:

@@ -13,7 +13,7 @@ from restshape.algebra.stages import Stages
 from restshape.analysis.modal import ModalAnalysis
 from restshape.analysis.modal_matrices import products
 from restshape.calibration import Calibration
-from restshape.interface.replayed_files import replay_files
+from restshape.interface.replays import replay_files
 
 CELLS = 60
 """Of the one-dimensional bar whose discrete eigenvalues are known."""

@@ -12,7 +12,7 @@ from restshape_apps.metallophone.sounding.wav import RATE
 from restshape_studies.validation.case import CLOSED_FORM, PROGRAM, Check
 from restshape_verification.metallophone.reference import SCENES, solved
 
-from restshape.replay.loop import Replay
+from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import read_script
 from restshape.scene.load import load_scene
@@ -58,9 +58,9 @@ def _frames(comm: PETSc.Comm) -> Sequence[drag.ModesAt]:
         {"t": last + 0.1, "do": "idle", "frames": 1},
     ]
     script = read_script("\n".join(map(json.dumps, lines)) + "\n", path, scene)
-    request = Request.of(scene, script)
-    replay = Replay(request, comm)
-    rows = [(float(row["t"]), drag.modes_at(replay.analysis, float(row["t"]), None, None)) for row in replay.frames()]
+    run = Run(Request.of(scene, script), summed=False, comm=comm)
+    times = (float(row["t"]) for row in run.rows())
+    rows = [(t, drag.modes_at(run.replay.analysis, t, None, None)) for t in times]
     return drag.in_order([frame for _, frame in rows], rows[0][0], rows[-1][0])
 
 

@@ -8,7 +8,7 @@ from restshape_studies.validation.shear_waves import SHEAR, thick_wave
 
 from restshape.analysis.modal import ModalAnalysis
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 FOLDER = application("metallophone").folder
 SCENES, EDITS = FOLDER / "scenes", FOLDER / "edits"

@@ -48,7 +48,8 @@ def followed(
     Modes may differ from cold ones by `turned`: those of frequencies that nearly meet are found less exactly.
     """
     dense = dense or trial.solved(LAPACK)
-    made = trial.replay(SCENES / scene if isinstance(scene, str) else scene, events, overrides)
+    run = trial.replay(SCENES / scene if isinstance(scene, str) else scene, events, overrides)
+    made = run.replay
     check, errors, known = Parity(made), [], [-1]
 
     def look(row: Row) -> None:
@@ -59,7 +60,7 @@ def followed(
             errors.append(float(np.abs(analysis.frequencies / wanted - 1).max()))
             known[0] = analysis.state.geometry
 
-    rows = rows_of(made, look)
+    rows = rows_of(run, look)
     return rows, [
         below("error against LAPACK, relative, of every mode in every frame", max(errors), dense),
         below("entries equal cold ones", check.entries, ENTRIES),
@@ -165,9 +166,10 @@ def sixth_close_by(trial: Trial) -> Iterator[Statement]:
     """Five modes of a supported square whose sixth is the fifth's twin; stretched, they part and cross others."""
     lengths = [10.0, 10.001, 10.01, 10.1, 10.5, 12.0, 10.5, 10.0]
     events = drag("right", (10.0, 5.0), [(a, 5.0) for a in lengths])
-    made = trial.replay(SCENES / "supported.toml", events, ["effects.modal.modes=5", "mesh.size=0.45"])
+    run = trial.replay(SCENES / "supported.toml", events, ["effects.modal.modes=5", "mesh.size=0.45"])
+    made = run.replay
     check = Parity(made)
-    rows = rows_of(made, lambda row: check())
+    rows = rows_of(run, lambda row: check())
     h, E, nu, rho = 0.05, 200e9, 0.3, 8000.0
     unit = 0.5 * np.pi * np.sqrt(E * h**2 / (12 * (1 - nu**2) * rho))
     exact = [
@@ -185,14 +187,15 @@ def lowest_unknown(trial: Trial) -> Iterator[Statement]:
     scene = kalimba(trial.folder, [0.030, 0.029, 0.028, 0.027, 0.026, 0.015])
     for frames in (1, 8, 16):
         events = drag("e3", (0.048, 0.019), across((0.048, 0.019), (0.048, 0.044), frames))
-        made = trial.replay(scene, [*events, {"do": "idle", "frames": 2}])
+        run = trial.replay(scene, [*events, {"do": "idle", "frames": 2}])
+        made = run.replay
         wrong: list[tuple[Row, float]] = []
 
         def look(row: Row, made=made, wrong=wrong) -> None:
             error = abs(row["f_1"] / lowest(made)[0] - 1)
             wrong.extend([(dict(row), error)] if error > 1e-5 else [])
 
-        rows = rows_of(made, look)
+        rows = rows_of(run, look)
         # Until the next count, 5 % of the body's size (3 mm of these 25) later.
         yield below(f"frames with another tone ({frames} frames)", len(wrong), max(1, np.ceil(frames * 0.12)))
         far = [row for row, _ in wrong if row["inertia_checked"] or row["event"] != "drag"]
@@ -210,8 +213,9 @@ def pulled_tall(trial: Trial) -> Iterator[Statement]:
     """A bar of 30 mm is pulled to 300 mm in six frames, nearly half as tall again in each: the last tone is right."""
     heights = [0.044034, 0.064633, 0.094868, 0.139248, 0.204388, 0.3]
     events = drag("top", (0.075, 0.03), [(0.075, y) for y in heights])
-    made = trial.replay(SCENES / "bar_150.toml", events, [PLATE, "effects.modal.modes=1", 'mesh.size="10 mm"'])
-    rows = rows_of(made)
+    run = trial.replay(SCENES / "bar_150.toml", events, [PLATE, "effects.modal.modes=1", 'mesh.size="10 mm"'])
+    made = run.replay
+    rows = rows_of(run)
     yield near("tone on release as by LAPACK", rows[-1]["f_1"], lowest(made)[0], trial.solved(LAPACK))
     yield from valid(rows)
 
@@ -247,9 +251,10 @@ def rounding(trial: Trial) -> Iterator[Statement]:
     """A tolerance of 1e-15, below rounding: tones to as many digits as rounding leaves."""
     events = drag("right", (0.15, 0.015), across((0.15, 0.015), (0.16, 0.015), 3))
     coarse = [PLATE, "effects.modal.modes=3", 'mesh.size="9 mm"']
-    made = trial.replay(SCENES / "bar_150.toml", events, [*coarse, "solve.tolerance=1e-15"])
+    run = trial.replay(SCENES / "bar_150.toml", events, [*coarse, "solve.tolerance=1e-15"])
+    made = run.replay
     errors: list[float] = []
-    rows = rows_of(made, lambda row: errors.append(float(np.abs(made.analysis.frequencies / lowest(made) - 1).max())))
+    rows = rows_of(run, lambda row: errors.append(float(np.abs(made.analysis.frequencies / lowest(made) - 1).max())))
     yield below("error against LAPACK, relative", max(errors), LAPACK)
     yield from valid(rows, residual=1e-9)
 

@@ -16,7 +16,7 @@ from restshape_studies.stability.scenery import across, drag, rows_of
 from restshape_verification.metallophone.tines import kalimba
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 SCENES = application("metallophone").folder / "scenes"
@@ -99,8 +99,8 @@ def holes_and_thin_plates(trial: Trial) -> Iterator[Statement]:
     found, words = brought(trial, SCENES / "bar_100.toml", 261.0, [], thin)
     yield from in_tune("plate of 0.5 mm", found)
     path = across((0.1, 0.015), (0.104, 0.015), 4)
-    made = trial.replay(SCENES / "bar_100.toml", drag("right", (0.1, 0.015), path), words)
-    rows = rows_of(made)
+    run = trial.replay(SCENES / "bar_100.toml", drag("right", (0.1, 0.015), path), words)
+    rows = rows_of(run)
     yield near("tone of the tuned bar, dragged on, over the first", rows[-1]["f_1"] / rows[0]["f_1"], 0.925, 5e-3)
     yield from valid(rows)
 

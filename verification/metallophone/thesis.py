@@ -8,7 +8,7 @@ from restshape_studies.bench.turns import Case
 
 from restshape.analysis.pitch import cents_between, frequency_of
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 FOLDER = application("metallophone").folder
 PLAN = Plan(("auto", "thesis"), overrides=("effects.modal.modes=1",))

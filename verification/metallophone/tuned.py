@@ -11,7 +11,7 @@ from restshape_studies.each_week import each_week
 from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, Check
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 FOLDER = application("metallophone").folder

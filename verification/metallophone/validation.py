@@ -15,7 +15,7 @@ from restshape_verification.metallophone.validation_rasping import rasping
 
 from restshape.algebra.clusters import CLUSTER
 from restshape.analysis.modal import ModalAnalysis
-from restshape.interface.replayed_files import replay_files
+from restshape.interface.replays import replay_files
 from restshape.sensitivity.frequency_derivative import frequency_derivatives, material_derivatives
 
 CANTILEVER = (8.35516595, 52.36093119, 146.61212348)

@@ -8,7 +8,7 @@ from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, PUBLISHED, 
 from scipy.optimize import brentq
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay
 
 SCENES = application("solid").folder / "scenes"

@@ -8,7 +8,7 @@ from restshape_studies.validation.case import OWN, Case, Check
 from restshape_verification.solid.buckling import LOAD, SCENES
 
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 
 def critical_load(comm: PETSc.Comm) -> list[Check]:

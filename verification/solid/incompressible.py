@@ -8,7 +8,7 @@ from restshape_studies.validation.case import PROGRAM, Check
 
 from restshape.application import application
 from restshape.cli.options import add_json, print_table, write_json
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENE = application("solid").folder / "scenes" / "cook.toml"
 RUBBER = ("material.unit.nu=0.4999", "effects.solid.model=plane_strain")

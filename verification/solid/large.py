@@ -6,7 +6,7 @@ from restshape_studies.validation.case import CLOSED_FORM, PUBLISHED, Check
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES = application("solid").folder / "scenes"
 TOLERANCE = 1e-10

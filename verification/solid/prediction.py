@@ -7,7 +7,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.case import CLOSED_FORM, Check
 
 from restshape.application import application
-from restshape.interface.replayed_files import replay_files
+from restshape.interface.replays import replay_files
 
 HERE = application("solid").folder
 SCRIPT = HERE / "scenes/slender.toml", HERE / "edits/slender.jsonl"

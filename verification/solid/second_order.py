@@ -6,7 +6,7 @@ from restshape_studies.validation.case import CLOSED_FORM, PROGRAM, PUBLISHED, C
 from restshape_studies.validation.norms import errors
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES = application("solid").folder / "scenes"
 SIZES = (0.12, 0.06, 0.03)

@@ -88,8 +88,9 @@ polygon = [[0.499, 0.026], [0.501, 0.026], [0.501, 0.0495], [0.499, 0.0495]]
 polygon = [[0.499, 0.0005], [0.501, 0.0005], [0.501, 0.024], [0.499, 0.024]]
 """
     whole = column(HINGES, PUSHED.format(1e3), size=0.03)
-    made = trial.replay(whole.replace("\n[material", cut + "\n[material", 1))
-    (weaker,) = rows_of(made)
+    run = trial.replay(whole.replace("\n[material", cut + "\n[material", 1))
+    made = run.replay
+    (weaker,) = rows_of(run)
     (stronger,) = trial.rows(whole)
     yield below("load factor over that of the whole column", weaker["q_first"] / stronger["q_first"], 0.999)
     analysis = made.analysis
@@ -170,7 +171,8 @@ def weakest_unknown(trial: Trial) -> Iterator[Statement]:
     text, side = masts([0.05, 0.052, 0.054, 0.056, 0.11])
     for frames in (1, 11):
         way = across((side, 0.5), (side - 0.06875, 0.5), frames)
-        made = trial.replay(text, [*drag("e1", (side, 0.5), way), {"do": "idle", "frames": 2}])
+        run = trial.replay(text, [*drag("e1", (side, 0.5), way), {"do": "idle", "frames": 2}])
+        made = run.replay
         errors: list[float] = []
 
         def look(row: Row, made=made, errors=errors) -> None:
@@ -178,7 +180,7 @@ def weakest_unknown(trial: Trial) -> Iterator[Statement]:
                 cold = made.analysis.compare_cold().solution
                 errors.append(cold)
 
-        rows = rows_of(made, look)
+        rows = rows_of(run, look)
         rest = [row for row in rows if row["event"] in ("release", "idle")]
         bound = 1e-4 if trial.policy == "thesis" else CONVERGED
         yield below(f"error of counted frames against solves from nothing ({frames} frames)", max(errors), bound)

@@ -64,14 +64,15 @@ def inverted(trial: Trial) -> Iterator[Statement]:
     text = HEAD + "[parameters]\npush = 0.1\n" + block() + "[material.m]\nE = 1e6\nnu = 0.3\n" + WALL + LARGE
     text += solid() + '[supports.press]\non = "right"\nfix = { x = "-push", y = 0 }\n' + meshed(0.2)
     text += '[quantities]\nwall = { reaction = "x", at = "left" }\n'
-    made = trial.replay(text, set_value("parameters.push", 1.3, 0.2, 5.0, 0.1))
+    run = trial.replay(text, set_value("parameters.push", 1.3, 0.2, 5.0, 0.1))
+    made = run.replay
     turned: list[int] = []
 
     def count(row: Row) -> None:
         mesh = made.analysis.space
         turned.append(len(_kernels.inverted_cells(mesh.X, made.analysis.x, mesh.cells)))
 
-    rows = rows_of(made, count)
+    rows = rows_of(run, count)
     yield refused_for(rows, "no equilibrium found beyond")
     yield true("refused where it must be", [row["index"] for row in rows if row["refused"]] == [1, 3])
     yield near("reaction as at first", rows[4]["q_wall"], rows[0]["q_wall"], trial.solved(SOLVED))

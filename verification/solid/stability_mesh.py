@@ -57,9 +57,10 @@ def slivers(trial: Trial) -> Iterator[Statement]:
     """A block is pressed to a hundredth of its height without a new mesh: triangles of 1:100 meet a uniform stress."""
     text = HEAD + block(2.0, 1.0) + UNCONTRACTED + CLAMPED + PULLED + meshed(0.15) + "min_quality = 1e-6\n" + STRETCH
     heights = np.geomspace(1.0, 0.01, 20)[1:]
-    made = trial.replay(text, drag("top", (1.0, 1.0), [(1.0, float(h)) for h in heights]), ["solve.tolerance=1e-9"])
+    run = trial.replay(text, drag("top", (1.0, 1.0), [(1.0, float(h)) for h in heights]), ["solve.tolerance=1e-9"])
+    made = run.replay
     check, worst = Parity(made), []
-    rows = rows_of(made, lambda row: check() and worst.append(row["min_quality"]))
+    rows = rows_of(run, lambda row: check() and worst.append(row["min_quality"]))
     yield near("stretch is the exact one", [row["q_stretch"] for row in rows], STRAIN * 2.0, DIRECT)
     if trial.policy in ("auto", "refactor"):
         yield below("quality of the worst triangle", float(np.nanmin(worst)), 0.05)
@@ -70,7 +71,8 @@ def gradation(trial: Trial) -> Iterator[Statement]:
     """Triangles from 0.2 m down to 0.2 mm in one mesh, whose fine corner is dragged."""
     mesh = meshed(0.2) + "near = { a = 2e-4 }\n"
     text = HEAD + block(2.0, 1.0) + UNCONTRACTED + CLAMPED + PULLED + mesh + STRETCH
-    made = trial.replay(text, drag("c", (2.0, 1.0), across((2.0, 1.0), (2.0, 1.3), 6)))
+    run = trial.replay(text, drag("c", (2.0, 1.0), across((2.0, 1.0), (2.0, 1.3), 6)))
+    made = run.replay
     check, sizes = Parity(made), []
 
     def look(row: Row) -> None:
@@ -78,7 +80,7 @@ def gradation(trial: Trial) -> Iterator[Statement]:
         twice = areas(made)
         sizes.append(float(np.sqrt(twice.max() / twice.min())))
 
-    rows = rows_of(made, look)
+    rows = rows_of(run, look)
     yield above("largest over smallest length", min(sizes), 500)
     yield near("stretch before the drag is the exact one", rows[0]["q_stretch"], STRAIN * 2.0, DIRECT)
     yield from (*equal(check), *valid(rows, residual=2e-6))
@@ -96,9 +98,10 @@ def near_inversion(trial: Trial) -> Iterator[Statement]:
         angle, far = random.uniform(0, 2 * np.pi), random.uniform(0.2, 1.2)
         end = (start[0] + far * np.cos(angle), start[1] + far * np.sin(angle))
         law = ["effects.large_deformation={}"] if seed % 5 == 4 else []
-        made = trial.replay(text, drag(on, start, across(start, end, 8)), ["mesh.min_quality=1e-3", *law])
+        run = trial.replay(text, drag(on, start, across(start, end, 8)), ["mesh.min_quality=1e-3", *law])
+        made = run.replay
         flat: list[float] = []
-        rows = rows_of(made, lambda row, flat=flat, made=made: flat.append(float(areas(made).min())))
+        rows = rows_of(run, lambda row, flat=flat, made=made: flat.append(float(areas(made).min())))
         good = [row for row in rows if not row["refused"]]
         numbers = [row[key] for row in good for key in ("q_stretch", "q_peak", "q_wall", "q_energy", "residual")]
         if not np.isfinite(numbers).all() or min(flat) <= 0 or max(row["residual"] for row in good) > 1e-7:
@@ -146,14 +149,15 @@ def jacobians(made: Replay) -> float:
 
 def _curved(trial: Trial, text: str, events: list[dict], refused: int | None) -> tuple[list[Row], list[Statement]]:
     """The rows of a replay of second order, and what must hold of every such one."""
-    made = trial.replay(text, events, ["mesh.order=2"])
+    run = trial.replay(text, events, ["mesh.order=2"])
+    made = run.replay
     check, least = Parity(made), []
 
     def look(row: Row) -> None:
         check()
         least.append(jacobians(made))
 
-    rows = rows_of(made, look)
+    rows = rows_of(run, look)
     return rows, [above("Jacobian of the worst place", min(least), 1e-6), *equal(check), *valid(rows, refused)]
 
 

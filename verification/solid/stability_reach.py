@@ -13,9 +13,10 @@ REACH = "mesh.reach=0.15"
 
 def _checked(trial: Trial, events: list[dict], *overrides: str) -> tuple[list[Row], Parity]:
     """The rows of a plate under edits, each compared with a cold solve of the whole."""
-    made = trial.replay(plate(0.1), events, [REACH, *overrides])
+    run = trial.replay(plate(0.1), events, [REACH, *overrides])
+    made = run.replay
     check = Parity(made)
-    return rows_of(made, lambda row: check()), check
+    return rows_of(run, lambda row: check()), check
 
 
 def beyond(trial: Trial) -> Iterator[Statement]:

@@ -15,7 +15,7 @@ from restshape_verification.solid.second_order import (
     rates,
 )
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 
 def patch(comm: PETSc.Comm) -> list[Check]:

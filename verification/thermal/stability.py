@@ -28,9 +28,10 @@ def _air(film: float) -> str:
 
 def _moved(trial: Trial, text: str) -> Iterator[Statement]:
     """What must hold in each frame of a window that moves: all frames, cold solves, heat in = heat out."""
-    made = trial.replay(HEAD + block() + WINDOW + text + QUANTITIES, MOVED)
+    run = trial.replay(HEAD + block() + WINDOW + text + QUANTITIES, MOVED)
+    made = run.replay
     check = Parity(made)
-    rows = rows_of(made, lambda row: row["index"] % 4 or check())
+    rows = rows_of(run, lambda row: row["index"] % 4 or check())
     yield from valid(rows)
     yield below("entries equal cold ones", check.entries, ENTRIES)
     yield below("solutions equal cold ones", check.solution, DISTURBED)

@@ -10,7 +10,7 @@ from restshape_verification.flow.insulated_vessel import insulated
 from restshape_verification.flow.validation_derivatives import heat_derivatives
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 TOLERANCE = 1e-10
 """Of the solves."""

@@ -7,7 +7,7 @@ from restshape_studies.validation.case import IDENTITY, PROGRAM, PUBLISHED, Chec
 
 from restshape.analysis.frame import Frame
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES = application("vibration").folder / "scenes"
 STEP = 0.005

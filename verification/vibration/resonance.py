@@ -15,9 +15,9 @@ from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line
+from restshape.interface.run import Run
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import CsvFile, PictureFile
-from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
@@ -81,9 +81,10 @@ def study(comm: PETSc.Comm = PETSc.COMM_WORLD, overrides: Sequence[str] = (), na
     """
     scene = load_scene(SCENE, overrides)
     script = load_script(EDITS, scene)
-    replay = Replay(Request.of(scene, script, name), comm)
+    run = Run(Request.of(scene, script, name), summed=False, comm=comm)
+    replay = run.replay
     start, path, amplitude, slow = None, [], [], []
-    for row in replay.frames():
+    for row in run.rows():
         outline = replay.moving.mesh.outline
         height = outline.centroid(outline.entity(WINDOW))[1]
         start = height if start is None else start

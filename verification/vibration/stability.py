@@ -47,8 +47,9 @@ def undamped_resonance(trial: Trial) -> Iterator[Statement]:
     q_1 = dt^2/4 f_1 / (1 + s^2) gives D.
     """
     dt, steps = 0.02, 2500
-    made = trial.replay(tower(trial.folder, dynamics(dt, 1)), [{"do": "idle", "frames": steps}])
-    frames = made.frames()
+    run = trial.replay(tower(trial.folder, dynamics(dt, 1)), [{"do": "idle", "frames": steps}])
+    made = run.replay
+    frames = run.rows()
     next(frames)
     omega, weight, load, angle = shake(made, dt)
     analysis, s = made.analysis, 0.5 * omega * dt
@@ -73,8 +74,9 @@ def damped_resonance(trial: Trial) -> Iterator[Statement]:
     dt = 0.004
     damping = "\n[effects.damping]\nratio = 0.02\nfrequencies = [3, 30]\n"
     scene = tower(trial.folder, damping, dynamics(dt, 25))
-    made = trial.replay(scene, [{"do": "idle", "frames": 2000}], ["solve.tolerance=1e-9"])
-    frames = made.frames()
+    run = trial.replay(scene, [{"do": "idle", "frames": 2000}], ["solve.tolerance=1e-9"])
+    made = run.replay
+    frames = run.rows()
     next(frames)
     omega = shake(made, dt)[0]
     analysis = made.analysis
@@ -94,9 +96,10 @@ def damped_resonance(trial: Trial) -> Iterator[Statement]:
 
 def _swung(trial: Trial, scene: Path, events: list[dict]) -> tuple[list[Row], list[float], float, Replay]:
     """The rows of a replay that begins with a swing, its energy less what edits and meshes added, and the first one."""
-    made = trial.replay(scene, events)
+    run = trial.replay(scene, events)
+    made = run.replay
     rows, left, start = [], [], 0.0
-    for row in made.frames():
+    for row in run.rows():
         rows.append(dict(row))
         if row["index"] == 0:
             X = made.analysis.space.X

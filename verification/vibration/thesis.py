@@ -6,7 +6,7 @@ from restshape_studies.bench.reuse import Plan, compare
 from restshape_studies.bench.turns import Case
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 FOLDER = application("vibration").folder
 CASE = Case("building", FOLDER / "scenes/building.toml", FOLDER / "edits/building.jsonl")

@@ -14,7 +14,7 @@ from restshape.analysis.frame import Frame
 from restshape.analysis.frequencies import lowest_modes
 from restshape.analysis.transient import TransientAnalysis
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay
 
 SCENES = application("vibration").folder / "scenes"

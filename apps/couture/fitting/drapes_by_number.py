@@ -11,12 +11,12 @@ import numpy as np
 
 from restshape.analysis.frame import Frame
 from restshape.errors import ReplayProblem, UserError
+from restshape.interface.first_frame import replayed_to
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.drape_shadow import DrapeShadow, ShadowEdge
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
-from restshape.replay.first_frame import replayed_to
 from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
 from restshape.scene.model import Scene

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape.application import application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES = application("couture").folder / "scenes"
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from small_scenes import block, head, meshed, write_scene
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 WIDTH, LENGTH = 0.02, 0.4
 STRIP = """

@@ -8,8 +8,8 @@ from restshape_verification.couture import garments
 from restshape_verification.couture.garment_measures import parameters_for
 
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.mannequin.body_shape import LEVELS
-from restshape.replay.first_frame import first_frame
 from restshape.scene.body_sizes import BODIES
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec

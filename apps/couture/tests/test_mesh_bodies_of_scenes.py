@@ -8,8 +8,8 @@ from restshape import _kernels
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.pictures.drape import recorded_surface
-from restshape.replay.first_frame import first_frame
 from restshape.replay.recording import Recording
 from restshape.scene.load import load_scene, revise
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape.analysis.pitch import note
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 if TYPE_CHECKING:

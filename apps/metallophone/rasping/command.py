@@ -55,8 +55,8 @@ def run(scene: Scene, args: argparse.Namespace) -> int:
     from restshape_apps.metallophone.rasping.plan import Wish, rasping_plan
     from restshape_apps.metallophone.rasping.report import plan_as_json, print_plan
 
+    from restshape.interface.first_frame import replayed_to
     from restshape.physics.elasticity.modal_effect import modal_keys
-    from restshape.replay.first_frame import replayed_to
 
     target = frequency_of(args.to, modal_keys(scene).a4, "--to")
     analysis = replayed_to(scene, args.edits, args.frame).analysis

@@ -12,7 +12,7 @@ from restshape.analysis.hanging import Hanging, hanging_of, hanging_points
 from restshape.analysis.nodal_lines import linear_triangles
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 SCENES = application.folder / "scenes"

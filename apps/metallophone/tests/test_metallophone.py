@@ -13,7 +13,7 @@ from restshape_apps.metallophone.sounding.place import on_plate
 from restshape_apps.metallophone.sounding.wav import write_wav
 
 from restshape.cli.main import main
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.replay.recording import Recording
 
 SCENES, EDITS = (application.folder / name for name in ("scenes", "edits"))

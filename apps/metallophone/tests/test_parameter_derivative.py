@@ -9,7 +9,7 @@ from restshape_apps.metallophone import application
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.sensitivity.parameter_derivative import parameter_derivatives
 
 PLATE = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="10 mm"', "solve.tolerance=1e-9"]

@@ -21,8 +21,8 @@ from restshape.analysis.modal_comparison import cold_frequencies
 from restshape.analysis.pitch import frequency_of
 from restshape.cli.main import main
 from restshape.errors import ReplayProblem, UserError
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.quality import areas
-from restshape.replay.first_frame import first_frame
 
 SCENES = application.folder / "scenes"
 PLATE = ["effects.modal.model=plate", "mesh.order=1", "solve.tolerance=1e-6"]

@@ -7,7 +7,7 @@ import pytest
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame, replayed_to
+from restshape.interface.first_frame import first_frame, replayed_to
 from restshape.scene.load import load_scene
 from restshape.sensitivity.parameter_derivative import parameter_derivatives
 

@@ -17,7 +17,7 @@ from scipy.integrate import trapezoid
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES, EDITS = (application.folder / name for name in ("scenes", "edits"))
 PLATE = ["effects.modal.model=plate", "effects.modal.modes=2", 'mesh.size="10 mm"']

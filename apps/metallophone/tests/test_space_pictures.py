@@ -7,7 +7,7 @@ from restshape_apps.metallophone import application
 from restshape_apps.metallophone.space_picture import flat_body, space_modes
 
 from restshape.cli.main import main
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 SCENES = application.folder / "scenes"
 FISH = ["mesh.size=14 mm", "effects.modal.modes=7", "effects.modal.in_plane=true", "mesh.order=1"]

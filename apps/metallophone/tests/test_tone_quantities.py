@@ -8,8 +8,8 @@ from restshape_apps.metallophone import application
 
 from restshape.analysis.tone_quantities import tone_error, tone_value
 from restshape.errors import UserError
-from restshape.interface.replayed_files import replay_files
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
+from restshape.interface.replays import replay_files
 from restshape.scene.load import load_scene
 
 SCENES = application.folder / "scenes"

@@ -26,7 +26,7 @@ from restshape_verification.metallophone.tines import kalimba
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 SCENES, TEMPLATE = application.folder / "scenes", application.folder / "template"

@@ -18,8 +18,8 @@ from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.export.cut_drawing import tables_with_circles
 from restshape.export.edited_frame import EditedFrame, plain_scene
+from restshape.interface.first_frame import replayed_to
 from restshape.mesh.transfer import Transfer
-from restshape.replay.first_frame import replayed_to
 from restshape.scene.load import remade
 from restshape.shape.nearness import distances
 from restshape.shape.outline import Outline

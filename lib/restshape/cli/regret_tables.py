@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 from restshape.cli.options import print_table
 
 if TYPE_CHECKING:
-    from restshape.replay.regret import Regret, Work
+    from restshape.variation.regret import Regret, Work
 
 WAYS: tuple[Literal["run"], Literal["best"]] = ("run", "best")
 HEADS = ("scene", "auto, ms", "best policy", "ms", "auto over it", "its schedule, ms", "the best, ms", "over it")

@@ -203,7 +203,7 @@ def _regret(args: argparse.Namespace, request: Request, begin_frame: Callable[[]
     """Print the counted work of a replay beside the best that could have been done; 0."""
     start_petsc(args.petsc)
     from restshape.cli.regret_tables import print_regret
-    from restshape.replay.regret import measure
+    from restshape.variation.regret import measure
 
     found = measure(request, begin_frame)
     if first_rank():

@@ -13,9 +13,12 @@ from petsc4py import PETSc
 from restshape.analysis.row_values import RowValues
 from restshape.errors import UserError
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
+from restshape.replay.chosen_frames import ChosenFrames
 from restshape.replay.columns import columns_of
+from restshape.replay.event_counts import begin_log
 from restshape.replay.field_names import check_field_names
 from restshape.replay.first_steps import FirstSteps
+from restshape.replay.frame_counts import FrameCounts
 from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
 from restshape.replay.recorder import Recorder
@@ -48,6 +51,9 @@ class Run(Iterator[ShownFrame]):
         keep_rows: `summary` gives all `rows`; else those alone that the report of the application needs.
         say: takes a line of what the first frame is at, where that takes long.
         answer: what frames are read from, of a replay that has run before; None: a new one.
+        chosen: the frames that are solved for; None: all.
+        counted: frames have `counts` of what they have done.
+        comm: whose ranks share the work; None: PETSc's world.
 
     Attributes:
         replay: the frame loop that computes it, for who looks at the analysis behind the frames.
@@ -67,10 +73,15 @@ class Run(Iterator[ShownFrame]):
         keep_rows: bool = False,
         say: Callable[[str], None] | None = None,
         answer: LastAnswer | None = None,
+        chosen: ChosenFrames | None = None,
+        counted: bool = False,
+        comm: PETSc.Comm | None = None,
     ) -> None:
-        self._request, self._comm = request, PETSc.COMM_WORLD
+        self._request, self._comm = request, comm or PETSc.COMM_WORLD
         self._to_close = recorder if closes else None
-        self._answer = answer or LastAnswer.begun(request, recorder)
+        if counted:
+            begin_log()
+        self._answer = answer or LastAnswer.begun(request, recorder, self._comm)
         self.replay = replay = self._answer.replay
         if recorder:
             recorder.add_header(_surroundings(self._comm) | {"singular": dict(replay.errors.singular.ever)})
@@ -80,7 +91,11 @@ class Run(Iterator[ShownFrame]):
         self._rows = list[RowValues]()
         self._ends, self._interrupted = list[RowValues](), False
         self._keep = summed and (keep_rows or request.application.report is not None)
-        rows = replay.frames() if answer else self._answers(say)
+        edits = replay.session.frames()
+        answers = replay.answers(chosen.among(edits) if chosen else edits)
+        self._counts = FrameCounts(replay) if counted else None
+        answers = self._counts.over(answers) if self._counts else answers
+        rows = answers if answer else self._answers(answers, say)
         self._frames = self._computed(rows, csv if self._comm.rank == 0 else None)
 
     def __next__(self) -> ShownFrame:
@@ -90,6 +105,10 @@ class Run(Iterator[ShownFrame]):
             UserError: the scene cannot be simulated, or a file cannot be written.
         """
         return next(self._frames)
+
+    def rows(self) -> Iterator[RowValues]:
+        """The row of each frame that is left, as soon as it is computed; errors as of the frames."""
+        return (frame.row for frame in self)
 
     def close(self) -> None:
         """Ends the run where it is: what was written so far is whole."""
@@ -169,18 +188,19 @@ class Run(Iterator[ShownFrame]):
                     self._rows.append(row)
                 if table:
                     table(row)
-                yield self._answer.frame(row)
+                yield self._answer.frame(row, self._counts.last if self._counts else None)
 
-    def _answers(self, say: Callable[[str], None] | None) -> Iterator[RowValues]:
+    def _answers(self, rows: Iterator[RowValues], say: Callable[[str], None] | None) -> Iterator[RowValues]:
         """The rows of all frames; where PETSc fails in the first one, what it says against the user's words."""
         replay, request = self.replay, self._request
-        rows = replay.frames()
         steps = FirstSteps(replay, say) if say else None
         try:
             first = next(rows)
             if steps:
                 steps.end()
-            check_field_names(replay.analysis, replay.solver.space, solved_physics(request.scene, request.application))
+            if request.measured == "all":
+                physics = solved_physics(request.scene, request.application)
+                check_field_names(replay.analysis, replay.solver.space, physics)
             yield first
         except PETSc.Error as error:
             # On several ranks the others may not have failed.

@@ -10,8 +10,11 @@ from restshape.interface.readable_frame import ReadableFrame, ShownMesh
 from restshape.replay.cell_types import CELL_TYPES
 
 if TYPE_CHECKING:
+    from petsc4py import PETSc
+
     from restshape.analysis.row_values import RowValues
     from restshape.arrays import AnyArray, Indices, Reals
+    from restshape.replay.frame_counts import Counts
     from restshape.replay.loop import Replay
     from restshape.replay.recorder import Recorder
     from restshape.replay.request import Request
@@ -43,11 +46,12 @@ class LastAnswer:
         self._cells: tuple[tuple[int, int], Indices] | None = None
 
     @classmethod
-    def begun(cls, request: Request, recorder: Recorder | None = None) -> Self:
+    def begun(cls, request: Request, recorder: Recorder | None = None, comm: PETSc.Comm | None = None) -> Self:
         """Before the first frame of what is replayed; simulations and runs begin here.
 
         Args:
             request: what is replayed; recorder: takes each frame; on rank 0 only.
+            comm: whose ranks share the work; None: PETSc's world.
 
         Raises:
             UserError: the scene cannot be simulated, or not be predicted.
@@ -58,7 +62,7 @@ class LastAnswer:
         from restshape.replay.petsc_options import refusal
 
         try:
-            return cls(Replay(request, PETSc.COMM_WORLD, recorder), request)
+            return cls(Replay(request, comm or PETSc.COMM_WORLD, recorder), request)
         except PETSc.Error as error:
             if not request.petsc:
                 raise
@@ -72,10 +76,10 @@ class LastAnswer:
             self._cells = version, read_only(space.cells.copy())
         return ShownMesh(read_only(space.X.copy()), self._cells[1], CELL_TYPES[space.cells.shape[1]])
 
-    def frame(self, row: RowValues) -> ShownFrame:
+    def frame(self, row: RowValues, counts: Counts | None = None) -> ShownFrame:
         """The frame of a row, which is the last one from now on."""
         self.count += 1
-        return ShownFrame(row, self)
+        return ShownFrame(row, self, counts)
 
 
 class ShownFrame(ReadableFrame):
@@ -88,10 +92,11 @@ class ShownFrame(ReadableFrame):
 
     Attributes:
         row: a value a column, as `restshape replay --csv` writes them; times are in ms.
+        counts: what it has done, of a replay that counts; else None.
     """
 
-    def __init__(self, row: RowValues, answer: LastAnswer) -> None:
-        self.row = row
+    def __init__(self, row: RowValues, answer: LastAnswer, counts: Counts | None = None) -> None:
+        self.row, self.counts = row, counts
         self._answer, self._count = answer, answer.count
 
     @cached_property

@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from math import inf
-from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
-
-from petsc4py import PETSc
 
 from restshape.errors import UserError
 from restshape.interface.edits import Edits
 from restshape.interface.hand import Hand
-from restshape.interface.run import Run
 from restshape.interface.scripts import When, WrittenScript
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
-from restshape.replay.request import Request
-from restshape.replay.request_recorder import recorder_of
+from restshape.replay.request import Measured, Request
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 
@@ -60,6 +55,7 @@ class Simulation(Edits):
         recorder: takes each frame, on the first rank; None records nothing.
         calibration: seconds a unit of counted work; None: the nominal ones.
         petsc: words for PETSc's options database, which it has taken already.
+        measured: "all", "residual" or "nothing": what is known of each answer besides, off the frame's time.
 
     Attributes:
         frame: the last one; closed: no event can come any more.
@@ -79,9 +75,11 @@ class Simulation(Edits):
         recorder: Recorder | None = None,
         calibration: Calibration | None = None,
         petsc: Sequence[str] = (),
+        measured: Measured = "all",
     ) -> None:
         self._written = WrittenScript(scene, analysis)
-        request = Request.of(scene, self._written.script(), policy, guess, calibration, petsc, predict)
+        script = self._written.script()
+        request = Request.of(scene, script, policy, guess, calibration, petsc, predict, measured=measured)
         self._answer = LastAnswer.begun(request, recorder)
         self._replay = self._answer.replay
         self._strict, self.closed = strict, False
@@ -250,39 +248,7 @@ def open(
     guess: str | None = None,
     predict: Predict = "none",
     strict: bool = True,
+    measured: Measured = "all",
 ) -> Simulation:
     """A simulation of a scene, after its first frame; arguments and errors as of `Simulation`."""
-    return Simulation(scene, analysis, policy, guess, predict, strict)
-
-
-def replay(
-    scene: Scene,
-    script: Script | None = None,
-    policy: str | None = None,
-    guess: str | None = None,
-    predict: Predict = "none",
-    out: str | Path | None = None,
-    csv: str | Path | None = None,
-    parity: bool = False,
-    summed: bool = False,
-) -> Run:
-    """The frames of a script, each as soon as it is computed, by the way that `restshape replay` goes.
-
-    Args:
-        scene: where it starts; script: its edits; None: the first shape alone.
-        policy, guess, predict: as of `Simulation`.
-        out: recording that is written (.vtkhdf); one that is there is replaced. csv: file for a row of numbers a frame.
-        parity: compare each frame with a cold solve on the same mesh.
-        summed: `Run.summary` can be asked for, which takes some time of each frame.
-
-    Raises:
-        UserError: the scene cannot be simulated, not be predicted, or the file cannot be written.
-    """
-    request = Request.of(scene, script, policy, guess, predict=predict)
-    recorder = recorder_of(request, Path(out)) if out and PETSc.COMM_WORLD.rank == 0 else None
-    try:
-        return Run(request, recorder, True, parity, Path(csv) if csv else None, summed)
-    except BaseException:
-        if recorder:
-            recorder.close("interrupted")
-        raise
+    return Simulation(scene, analysis, policy, guess, predict, strict, measured=measured)

@@ -11,9 +11,9 @@ class CallableRoom(ModuleType):
     """This package, which is also what `restshape.replay(scene, script)` calls."""
 
     def __call__(self, *args: object, **keywords: object) -> object:
-        """See `restshape.interface.simulation.replay`."""
+        """See `restshape.interface.replays.replay`."""
         # It is above this package, and imported where it is called.
-        found = import_module("restshape.interface.simulation").replay
+        found = import_module("restshape.interface.replays").replay
         return cast("Callable[..., object]", found)(*args, **keywords)
 
 

@@ -22,6 +22,14 @@ NAMES = (
 )
 
 
+def begin_log() -> None:
+    """Let PETSc count; the events of all its parts are known by their names then."""
+    PETSc.Log.begin()
+    PETSc.KSP().create(PETSc.COMM_SELF).destroy()
+    for name in LOGGED:
+        log_stage(name)
+
+
 class EventCounts:
     """Counts over PETSc's main log stage and those of restshape; PETSc's log must have begun.
 

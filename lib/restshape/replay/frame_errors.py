@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
     from restshape.algebra.stages import Stages
     from restshape.analysis.row_values import RowValues
+    from restshape.mesh.advance import MeshUpdate
+    from restshape.mesh.follower import Follower
     from restshape.replay.replay_parts import ReplayParts
     from restshape.replay.request import Request
     from restshape.shape.protocol import Session
@@ -50,7 +52,6 @@ class FrameErrors:
 
     def __init__(self, request: Request, comm: PETSc.Comm, stages: Stages, parts: ReplayParts) -> None:
         self.analysis, self.prediction = parts.analysis, parts.prediction
-        self.estimating = True
         self._measures_predicted = parts.prediction is None or parts.prediction.measured
         self._known: tuple[object, dict[str, float]] = (None, {})
         self._measured: tuple[object, float] = (None, nan)
@@ -68,6 +69,7 @@ class FrameErrors:
             UserError: errors of quantities cannot be estimated.
         """
         scene, application = request.scene, request.application
+        self.estimating = request.measured == "all"
         self.singular = SingularQuantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular.now)
         steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}
@@ -75,6 +77,11 @@ class FrameErrors:
         exact = [name for name, one in scene.quantities.items() if one.kind in {*CORE, *timeless}]
         self.limits = MovingLimits()
         self.uncertain_limits = UncertainLimits(self.singular.now, self.analysis.row, exact)
+
+    def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
+        """Keep what a frame's mesh is to be compared with, before the frame is solved."""
+        if self.estimating:
+            self.jumps.note(moving, mesh_update)
 
     def add_to(self, row: RowValues, edit: ScriptFrame, answered: bool) -> None:
         """Put a frame's residual and errors into its row.

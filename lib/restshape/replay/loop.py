@@ -2,9 +2,9 @@
 
 # More than 15 modules: the loop joins all parts of a frame.
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from logging import INFO
-from time import perf_counter
+from time import perf_counter, process_time
 
 from petsc4py import PETSc
 
@@ -40,6 +40,8 @@ class Replay:
     Attributes:
         row: of the last frame.
         measuring: residual and errors are measured beside each frame; they are not numbers where they are not.
+        on_answer: called when a frame has its answer, before what is measured beside it.
+        idle_seconds: of the processor, which the time before the frame has taken for predictions.
 
     Raises:
         UserError: no valid first shape, what is to be predicted cannot be, or ranks have been given unlike scenes.
@@ -57,7 +59,9 @@ class Replay:
         self.errors = FrameErrors(request, comm, self.stages, parts)
         self.recorded_topology: tuple[int, int] | None = None
         self.row: RowValues = {}
-        self.measuring = True
+        self.measuring = request.measured != "nothing"
+        self.on_answer: Callable[[], None] | None = None
+        self.idle_seconds = 0.0
 
     def follow(self, session: Session, request: Request) -> None:
         """Goes on with another session, whose first frame says what changes from the last one of this session.
@@ -65,7 +69,7 @@ class Replay:
         Raises:
             UserError: errors of quantities cannot be estimated.
         """
-        self.session = session
+        self.session, self.measuring = session, request.measured != "nothing"
         self.rows = FrameRows(self.solver, request.scene)
         self.errors.follow(session, request)
 
@@ -91,6 +95,8 @@ class Replay:
             row = self._frame(edit)
             end = perf_counter()
             self._times(row, start, edited, end)
+            if self.on_answer:
+                self.on_answer()
             self._measure(edit, row)
             if whole(row, "level") > 1 or edit.change not in ("none", "move") or row["predicted"]:
                 clean_up(self.comm)
@@ -101,8 +107,9 @@ class Replay:
         """Spend the edit time before a frame; the seconds that this has taken, which are none of the frame's."""
         if self.prediction is None:
             return 0.0
-        start = perf_counter()
+        start, begun = perf_counter(), process_time()
         self.solver.idle(edit)
+        self.idle_seconds = process_time() - begun
         self.stages.reset()
         return perf_counter() - start
 
@@ -113,7 +120,7 @@ class Replay:
             solver.returns.leave(edit)
             known = solver.returns.restored(edit)
             mesh_update = known[0] if known else self.moving.update(edit)
-            self.errors.jumps.note(self.moving, mesh_update)
+            self.errors.note(self.moving, mesh_update)
             report = solver.returned(known[1]) if known else solver(edit, mesh_update)
         except (ReplayProblem, UserError) as problem:
             if edit.index == 0:

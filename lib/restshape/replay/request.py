@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Literal, Self
 
 from restshape import __version__
 from restshape.application import Application, application_of
@@ -14,6 +14,9 @@ from restshape.replay.rounding import load_scales
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.surroundings import cpu_model
+
+Measured = Literal["all", "residual", "nothing"]
+"""What is known of each answer besides: its errors too, its residual alone, or nothing."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Request:
             several.
         overrides: ``key=value`` of the command line, which the scene has taken in.
         guided: as in `Context`.
+        measured: beside each frame, off its time; no other column depends on it.
     """
 
     scene: Scene
@@ -42,6 +46,7 @@ class Request:
     predict: str = "none"
     overrides: tuple[str, ...] = ()
     guided: bool = True
+    measured: Measured = "all"
 
     @classmethod
     def of(
@@ -55,6 +60,7 @@ class Request:
         predict: str = "none",
         overrides: Sequence[str] = (),
         guided: bool = True,
+        measured: Measured = "all",
     ) -> Self:
         """What is asked for of a scene and a script, where nothing is said by its application's own ways.
 
@@ -62,11 +68,12 @@ class Request:
             scene: where it starts; script: its edits; None: the first shape alone.
             policy: its name; None: the scene's. guess: initial guess of iterative solves; None: the policy's best.
             calibration: None: the nominal one.
-            petsc, predict, overrides, guided: as of the class.
+            petsc, predict, overrides, guided, measured: as of the class.
         """
         chosen = policy_named(policy or scene.solve.policy, guess)
         edits, known = script or Script.empty(scene), calibration or Calibration.load()
-        return cls(scene, edits, application_of(scene), chosen, known, tuple(petsc), predict, tuple(overrides), guided)
+        app, words, given = application_of(scene), tuple(petsc), tuple(overrides)
+        return cls(scene, edits, app, chosen, known, words, predict, given, guided, measured)
 
     def origin(self) -> dict[str, object]:
         """What results say of where they come from: scene, script, overrides, version, units and machine."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from time import process_time
 
 from restshape.analysis.row_values import whole
@@ -79,9 +80,8 @@ class Sweep:
 
     def _replayed(self, running: Run, run: SweptRun, on_frame: Callable[[], None]) -> bool:
         """Replays all frames of a run; false where the first one has no solution."""
-        names, replay = self.columns or [], running.replay
+        names = self.columns or []
         run.status, run.why = DONE, ""
-        replay.measuring = errors_count(self.scene)
         try:
             for frame in running:
                 self._moved |= run.frames > 0 and whole(frame.row, "level") > 0
@@ -90,6 +90,7 @@ class Sweep:
         except UserError as error:
             run.status, run.why = UNSOLVED, _plain(error)
             return False
+        replay = running.replay
         run.limit(replay.session.scene)
         self._last = running
         self.singular = replay.errors.singular.ever | self.singular
@@ -122,8 +123,9 @@ class Sweep:
     def _asked(self, scene: Scene, script: Script) -> Request:
         """What the replay of a run is asked for."""
         asked = self.request
+        made = Request.of(scene, script, asked.policy, asked.guess, asked.calibration, asked.petsc)
         # No run shows what would mend it.
-        return Request.of(scene, script, asked.policy, asked.guess, asked.calibration, asked.petsc, guided=False)
+        return replace(made, guided=False, measured="all" if errors_count(scene) else "nothing")
 
     def _follow(self, running: Run, scene: Scene, script: Script) -> Run | None:
         """The run that goes on to this scene with the solvers of the last one; None where these cannot."""

@@ -15,7 +15,7 @@ from restshape_studies.stability.scenery import STEEL, block, drag, head, meshed
 from restshape_studies.validation.case import CLOSED_FORM, ROUNDING, Check
 
 from restshape.application import Application
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 from restshape.scene.model import Scene
 
 

@@ -7,7 +7,7 @@ from restshape_studies.accuracy.grid import Places
 from restshape_studies.accuracy.state import State, state_of
 from restshape_studies.stability.scenery import write_scene
 
-from restshape.replay.first_frame import first_frame
+from restshape.interface.first_frame import first_frame
 
 INNER, BETWEEN, OUTER, WIDER = 0.1, 0.2, 0.3, 1e-3
 LAME = np.array([[1.2e10, 0.8e10], [1.2e6, 0.8e6]])

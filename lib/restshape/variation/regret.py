@@ -5,19 +5,17 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypedDict
 
-from petsc4py import PETSc
-
 from restshape.algebra.counted_work import EVENTS, NUMERIC, counted_seconds
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.stages import LOGGED, Stages, log_stage
+from restshape.algebra.stages import Stages
 from restshape.analysis.row_values import whole
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.policy import POLICIES, policy
-from restshape.replay import hindsight
-from restshape.replay.event_counts import EventCounts
-from restshape.replay.loop import Replay
+from restshape.replay.event_counts import EventCounts, begin_log
 from restshape.replay.request import Request
+from restshape.variation import hindsight
 
 ENOUGH = 2.0
 """A policy that has cost so many times the cheapest so far is not the best, and its replay ends."""
@@ -66,9 +64,9 @@ def measure(request: Request, on_frame: Callable[[], None] = lambda: None) -> Re
         UserError: the analysis has no linear solver whose preconditioner is kept.
     """
     begin_log()
-    replay = _of(request, "auto")
-    watch = hindsight.Watch(_solver(replay))
-    found = {"auto": _counted(replay, on_frame, watch)}
+    run = _of(request, "auto")
+    watch = hindsight.Watch(_solver(run))
+    found = {"auto": _counted(run, on_frame, watch)}
     schedule = watch.found()
     for name in ("refactor", "rebuild", "thesis"):
         least = min(one["seconds"] for one in found.values())
@@ -84,30 +82,28 @@ def measure(request: Request, on_frame: Callable[[], None] = lambda: None) -> Re
     }
 
 
-def _of(request: Request, name: str) -> Replay:
-    """A replay under a policy, with nothing beside its frames."""
-    made = Replay(replace(request, policy=policy(name)), PETSc.COMM_WORLD)
-    made.errors.estimating = made.measuring = made.errors.jumps.wanted = False
-    return made
+def _of(request: Request, name: str) -> Run:
+    """A run under a policy, with nothing beside its frames."""
+    return Run(replace(request, policy=policy(name), measured="nothing"), summed=False)
 
 
-def _solver(replay: Replay) -> LinearSolver:
-    """The solver whose preconditioner the replay keeps."""
-    solver = getattr(replay.analysis, "solver", None)
+def _solver(run: Run) -> LinearSolver:
+    """The solver whose preconditioner the run keeps."""
+    solver = getattr(run.replay.analysis, "solver", None)
     if not isinstance(solver, LinearSolver):
         raise UserError(
             "there is no linear solver whose preconditioner is kept",
-            str(replay.session.scene.path),
+            str(run.replay.session.scene.path),
             "take a scene of a solid, in motion or not, or of heat",
         )
     return solver
 
 
 def _counted(
-    replay: Replay, on_frame: Callable[[], None], watch: hindsight.Watch | None = None, most: float = math.inf
+    run: Run, on_frame: Callable[[], None], watch: hindsight.Watch | None = None, most: float = math.inf
 ) -> Work:
-    """Counted work of a replay, which may be watched, until it has cost so many seconds by the calibration."""
-    solver, found, made = _solver(replay), Work(seconds=0.0, iterations=0, factors=0, ended=None), 0
+    """Counted work of a run, which may be watched, until it has cost so many seconds by the calibration."""
+    solver, found, made = _solver(run), Work(seconds=0.0, iterations=0, factors=0, ended=None), 0
     # Modes beside a motion have factors and iterations of their own, in the stages of the replay.
     solver.stages = Stages(LINEAR)
     counts, watched = EventCounts(EVENTS, LINEAR), solver.on_solved
@@ -120,7 +116,7 @@ def _counted(
 
     solver.on_solved = note
     counts.since_last()
-    for row in replay.frames():
+    for row in run.rows():
         events = counts.since_last()
         found["seconds"] += counted_seconds(events, made, solver)
         found["iterations"] += made
@@ -129,15 +125,7 @@ def _counted(
         if watch:
             watch.settle()
         on_frame()
-        if replay.comm.tompi4py().bcast(found["seconds"] > most):
+        if run.replay.comm.tompi4py().bcast(found["seconds"] > most):
             found["ended"] = whole(row, "index")
             break
     return found
-
-
-def begin_log() -> None:
-    """Let PETSc count; the events of all its parts are known by their names then."""
-    PETSc.Log.begin()
-    PETSc.KSP().create(PETSc.COMM_SELF).destroy()
-    for name in LOGGED:
-        log_stage(name)

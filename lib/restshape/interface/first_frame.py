@@ -6,6 +6,7 @@ from pathlib import Path
 from petsc4py import PETSc
 
 from restshape.errors import UserError
+from restshape.interface.run import Run
 from restshape.outputs.si_numbers import counted
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -22,14 +23,14 @@ def first_frame(path: Path, overrides: Sequence[str] = (), comm: PETSc.Comm = PE
         overrides: ``key=value`` as after --set.
         comm: PETSc communicator.
     """
-    scene = load_scene(path, overrides)
-    replay = Replay(Request.of(scene), comm)
-    list(replay.frames())
-    return replay
+    run = Run(Request.of(load_scene(path, overrides)), summed=False, comm=comm)
+    for _ in run:
+        pass
+    return run.replay
 
 
-def replay_of(scene: Scene, edits: Path | None) -> Replay:
-    """A replay of a scene's edits before its first frame; `frames` goes through them, `analysis` holds each result.
+def run_of(scene: Scene, edits: Path | None) -> Run:
+    """The run of a scene's edits before its first frame; `replay.analysis` holds the result of each.
 
     Args:
         scene: where the edits start.
@@ -40,7 +41,7 @@ def replay_of(scene: Scene, edits: Path | None) -> Replay:
     """
     script = load_script(edits, scene) if edits else None
     try:
-        return Replay(Request.of(scene, script), PETSc.COMM_WORLD)
+        return Run(Request.of(scene, script), summed=False)
     except UserError as error:
         raise scene.located(error) from error
 
@@ -56,10 +57,10 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     Raises:
         UserError: there is no such frame, or none at all.
     """
-    replay = replay_of(scene, edits)
+    run = run_of(scene, edits)
     last = -1
     try:
-        for last, _ in enumerate(replay.frames()):
+        for last, _ in enumerate(run):
             if last == frame:
                 break
     except UserError as error:
@@ -67,4 +68,4 @@ def replayed_to(scene: Scene, edits: Path | None, frame: int | None) -> Replay:
     if frame is not None and last != frame:
         one = f"the edits have {counted(last + 1, 'frame')}" if edits else "without edits there is one frame"
         raise UserError(one, f"--frame {frame}", f"use 0 to {last}" if last else "use 0, or leave it out")
-    return replay
+    return run.replay
