@@ -7,7 +7,6 @@ from typing import Any
 
 from petsc4py import PETSc
 from restshape_studies.explain.filled import stored
-from restshape_studies.explain.paired import Counted
 from slepc4py import SLEPc
 
 from restshape import _kernels
@@ -16,8 +15,11 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import LOGGED, log_stage
 from restshape.application import application_of
 from restshape.calibration import Calibration
+from restshape.interface.run import Run
 from restshape.policy import policy
 from restshape.replay.event_counts import EventCounts
+from restshape.replay.frame_counts import difference
+from restshape.replay.loop import Replay
 from restshape.replay.request import Request
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
@@ -46,22 +48,30 @@ EVENTS = (
 )
 
 
-class Watched(Counted):
-    """A replay whose rows hold what PETSc did in the frame's time (`events`), and which stages took some (`stages`).
+class Watch:
+    """What a replay has done when its frame has an answer.
 
-    Of linear problems `counted_seconds`, too: what that costs by the calibration.
+    `calls` of kernels, what PETSc did (`events`), which `stages` took time, and of linear problems `counted_seconds`:
+    what that costs by the calibration.
     """
 
-    events: EventCounts
+    def __init__(self, replay: Replay) -> None:
+        self._replay, self._events, self.row = replay, EventCounts(EVENTS), dict[str, Any]()
+        replay.on_answer = self._on_answer
+        self.begin()
 
-    def _measure(self, edit: Any, row: dict[str, Any]) -> None:
-        row["events"] = self.events.since_last()
-        row["stages"] = sorted(name for name, seconds in self.stages.seconds.items() if seconds > 0.0)
-        solver = getattr(self.analysis, "solver", None)
+    def begin(self) -> None:
+        """A frame begins."""
+        self._events.since_last()
+        _kernels.reset_calls()
+
+    def _on_answer(self) -> None:
+        events, row = self._events.since_last(), self._replay.row
+        stages = sorted(name for name, seconds in self._replay.stages.seconds.items() if seconds > 0.0)
+        solver = getattr(self._replay.analysis, "solver", None)
         known = isinstance(solver, LinearSolver)
-        row["counted_seconds"] = counted_seconds(row["events"], int(row["iterations"]), solver) if known else 0.0
-        super()._measure(edit, row)
-        self.events.since_last()
+        seconds = counted_seconds(events, int(row["iterations"]), solver) if known else 0.0
+        self.row = {"calls": _kernels.calls(), "events": events, "stages": stages, "counted_seconds": seconds}
 
 
 def begin_log() -> None:
@@ -100,7 +110,7 @@ def watched(
     name: str = "auto",
     predict: str = "none",
     frames: int | None = None,
-) -> tuple[list[dict[str, Any]], Watched]:
+) -> tuple[list[dict[str, Any]], Replay]:
     """The rows of a replay in this process, and the replay.
 
     Those of the first `frames`, if not None. Each row has besides `calls`, `calls_beside`, `events`, `stages`,
@@ -109,15 +119,13 @@ def watched(
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
     asked = Request(read, edits, application_of(read), policy(name), Calibration.load(), (), predict)
-    replay = Watched(asked, PETSc.COMM_WORLD)
-    replay.events = EventCounts(EVENTS)
-    replay.events.since_last()
-    before, rows = stored()[1], []
-    _kernels.reset_calls()
-    for row in islice(replay.frames(), frames):
-        rows.append({**row, "entries": stored()[1] - before})
-        _kernels.reset_calls()
-    return rows, replay
+    run = Run(asked, summed=False)
+    watch, before, rows = Watch(run.replay), stored()[1], []
+    for row in islice(run.rows(), frames):
+        beside = difference(_kernels.calls(), watch.row["calls"])
+        rows.append({**row, **watch.row, "calls_beside": beside, "entries": stored()[1] - before})
+        watch.begin()
+    return rows, run.replay
 
 
 def kernels(rows: list[dict[str, Any]], purpose: str = "") -> set[str]:

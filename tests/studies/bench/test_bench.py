@@ -25,7 +25,6 @@ from small_scenes import across, drag, plate, write_scene, write_script
 from restshape.algebra.stages import Stages
 from restshape.errors import UserError
 from restshape.replay.columns import STAGES
-from restshape.replay.event_counts import EventCounts
 
 PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -54,10 +53,7 @@ def timed_run(fps, p50):
 def run_here(job):
     """What a job reports, run in this process."""
     reported = {"row": []}
-    earlier = EventCounts().since_last() if job.count else {}
     play(job, lambda kind, content: reported[kind].append(content))
-    for name, number in earlier.items():
-        reported["row"][0]["events"][name] -= number
     return Outcome(reported["row"])
 
 
