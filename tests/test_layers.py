@@ -177,7 +177,7 @@ def test_no_modules_import_each_other(annotations):
 def test_the_frame_loop_is_made_in_one_place():
     scripts = {f"scripts.{path.stem}": path for path in (ROOT / "scripts").glob("*.py")}
     made = {name for name, path in {**MODULES, **scripts}.items() if MADE.search(path.read_text(encoding="utf-8"))}
-    assert made == {"restshape.interface.shown_frame"}
+    assert made == {"restshape.interface.frame_loop"}
 
 
 @pytest.mark.cli

@@ -81,7 +81,7 @@ def _played(path: Path, edits: Path, words: tuple[str, ...]) -> dict[str, Any]:
         _ = analysis.x
         now = time.process_time()
         rows.append(row)
-        idle.append(run.replay.idle_seconds)
+        idle.append(run.replay.solver.idle_seconds)
         times.append(now - begun - idle[-1])
         begun = time.process_time()
     shown = [k for k, row in enumerate(rows) if row["event"] == "drag" and row["predicted"]]

@@ -24,7 +24,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
 
 
 def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[str, Any]:
-    """What `replay.regret.measure` finds; `problem` says why there is nothing, of several scenes."""
+    """What `variation.regret.measure` finds; `problem` says why there is nothing, of several scenes."""
     announce(f"{case.name}: all policies, and schedules in hindsight")
     try:
         outcome = run(job_of(args, case, "auto", measure=MEASURE))

@@ -67,7 +67,7 @@ def frames():
     scene = load_scene(VIBRATION / "scenes" / "building.toml", one_step)
     script = load_script(VIBRATION / "edits" / "building.jsonl", scene)
     replay = Replay(Request.of(scene, script, "auto", calibration=dear), PETSc.COMM_SELF)
-    replay.errors.estimating = replay.measuring = False
+    replay.errors.estimating = replay.errors.measuring = False
     choice, rows = replay.analysis.solver.kept.choice, []
     for row in islice(replay.frames(), 20):
         outlay = choice.outlay

@@ -36,7 +36,7 @@ def test_python_passes_over_no_unknowns(tmp_path, monkeypatch, overrides):
     monkeypatch.setattr(stages, "Stage", WatchedStage)
     scene, script = write_scene(tmp_path, plate(0.04)), write_script(tmp_path, EVENTS)
     replay = make_replay(scene, script, overrides=["mesh.order=1", *overrides])
-    replay.measuring = False
+    replay.errors.measuring = False
     tracemalloc.start()
     try:
         watched = 0

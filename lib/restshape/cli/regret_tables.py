@@ -16,7 +16,7 @@ HEADS = ("scene", "auto, ms", "best policy", "ms", "auto over it", "its schedule
 
 
 def row(name: str, found: Regret) -> list[str]:
-    """One scene's row of the table of scenes, from what `replay.regret.measure` found."""
+    """One scene's row of the table of scenes, from what `variation.regret.measure` found."""
     policies, best, schedule = found["policies"], found["best"], found["hindsight"]
     least = policies[best]["seconds"]
     work = [f"{1e3 * policies['auto']['seconds']:.4g}", best, f"{1e3 * least:.4g}", f"{found['over_policy']:.3f}"]

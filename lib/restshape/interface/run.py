@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from restshape.analysis.row_values import RowValues
 from restshape.errors import UserError
+from restshape.interface.frame_loop import frame_loop
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
 from restshape.replay.chosen_frames import ChosenFrames
 from restshape.replay.columns import columns_of
@@ -81,7 +82,7 @@ class Run(Iterator[ShownFrame]):
         self._to_close = recorder if closes else None
         if counted:
             begin_log()
-        self._answer = answer or LastAnswer.begun(request, recorder, self._comm)
+        self._answer = answer or LastAnswer(frame_loop(request, recorder, self._comm), request)
         self.replay = replay = self._answer.replay
         if recorder:
             recorder.add_header(_surroundings(self._comm) | {"singular": dict(replay.errors.singular.ever)})

@@ -10,13 +10,10 @@ from restshape.interface.readable_frame import ReadableFrame, ShownMesh
 from restshape.replay.cell_types import CELL_TYPES
 
 if TYPE_CHECKING:
-    from petsc4py import PETSc
-
     from restshape.analysis.row_values import RowValues
     from restshape.arrays import AnyArray, Indices, Reals
     from restshape.replay.frame_counts import Counts
     from restshape.replay.loop import Replay
-    from restshape.replay.recorder import Recorder
     from restshape.replay.request import Request
     from restshape.scene.model import Scene
     from restshape.shape.script_frame import ScriptFrame
@@ -44,29 +41,6 @@ class LastAnswer:
         self.replay, self.request = replay, request
         self.count, self.closed = 0, False
         self._cells: tuple[tuple[int, int], Indices] | None = None
-
-    @classmethod
-    def begun(cls, request: Request, recorder: Recorder | None = None, comm: PETSc.Comm | None = None) -> Self:
-        """Before the first frame of what is replayed; simulations and runs begin here.
-
-        Args:
-            request: what is replayed; recorder: takes each frame; on rank 0 only.
-            comm: whose ranks share the work; None: PETSc's world.
-
-        Raises:
-            UserError: the scene cannot be simulated, or not be predicted.
-        """
-        from petsc4py import PETSc
-
-        from restshape.replay.loop import Replay
-        from restshape.replay.petsc_options import refusal
-
-        try:
-            return cls(Replay(request, comm or PETSc.COMM_WORLD, recorder), request)
-        except PETSc.Error as error:
-            if not request.petsc:
-                raise
-            raise refusal(error, request.petsc) from error
 
     def mesh(self) -> ShownMesh:
         """The mesh of the last frame; frames of one topology share the array of its cells."""

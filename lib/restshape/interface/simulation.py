@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, Self
 
 from restshape.errors import UserError
 from restshape.interface.edits import Edits
+from restshape.interface.frame_loop import frame_loop
 from restshape.interface.hand import Hand
 from restshape.interface.scripts import When, WrittenScript
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
@@ -80,8 +81,8 @@ class Simulation(Edits):
         self._written = WrittenScript(scene, analysis)
         script = self._written.script()
         request = Request.of(scene, script, policy, guess, calibration, petsc, predict, measured=measured)
-        self._answer = LastAnswer.begun(request, recorder)
-        self._replay = self._answer.replay
+        self._replay = frame_loop(request, recorder)
+        self._answer = LastAnswer(self._replay, request)
         self._strict, self.closed = strict, False
         self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
         self.frame = next(self._frames())

@@ -43,6 +43,7 @@ class FrameErrors:
         UserError: errors, or jumps, of quantities cannot be estimated.
 
     Attributes:
+        measuring: residual and errors are measured beside each frame; they are not numbers where they are not.
         estimating: errors are estimated beside each frame.
         singular: quantities without a limit under refinement.
         jumps: of quantities where the mesh changes.
@@ -69,7 +70,7 @@ class FrameErrors:
             UserError: errors of quantities cannot be estimated.
         """
         scene, application = request.scene, request.application
-        self.estimating = request.measured == "all"
+        self.measuring, self.estimating = request.measured != "nothing", request.measured == "all"
         self.singular = SingularQuantities(scene, application, session)
         self.quantity_errors = QuantityErrorColumns(scene, application, self._estimator, self.singular.now)
         steady = {kind for effect in application.effects.values() if not effect.transient for kind in effect.quantities}

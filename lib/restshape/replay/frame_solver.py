@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import process_time
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -30,6 +31,7 @@ class FrameSolver:
         solved: the last frame was solved, or needed no solve since the last one that was.
         known: the analysis has an answer of the shape as it is.
         predicted: the last frame shows a prediction.
+        idle_seconds: of the processor, that predictions have taken of the edit time before the frame.
     """
 
     def __init__(self, parts: ReplayParts, policy: Policy) -> None:
@@ -37,6 +39,7 @@ class FrameSolver:
         self.solved = self.known = self.predicted = False
         self.returns = Returns(parts, policy)
         self._last = LinearReport(0, False, 0)
+        self.idle_seconds = 0.0
 
     @property
     def space(self) -> Space:
@@ -67,7 +70,9 @@ class FrameSolver:
     def idle(self, edit: ScriptFrame) -> None:
         """Spend the edit time before a frame on what predictions are made from."""
         if self.prediction is not None:
+            begun = process_time()
             self.prediction.idle(edit, self._solve_shown)
+            self.idle_seconds = process_time() - begun
 
     def _solve_shown(self, last: ScriptFrame) -> None:
         """Solve the last frame, which shows a prediction, on the mesh as it lies.

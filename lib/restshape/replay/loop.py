@@ -4,7 +4,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from logging import INFO
-from time import perf_counter, process_time
+from time import perf_counter
 
 from petsc4py import PETSc
 
@@ -39,9 +39,7 @@ class Replay:
 
     Attributes:
         row: of the last frame.
-        measuring: residual and errors are measured beside each frame; they are not numbers where they are not.
         on_answer: called when a frame has its answer, before what is measured beside it.
-        idle_seconds: of the processor, which the time before the frame has taken for predictions.
 
     Raises:
         UserError: no valid first shape, what is to be predicted cannot be, or ranks have been given unlike scenes.
@@ -59,9 +57,7 @@ class Replay:
         self.errors = FrameErrors(request, comm, self.stages, parts)
         self.recorded_topology: tuple[int, int] | None = None
         self.row: RowValues = {}
-        self.measuring = request.measured != "nothing"
         self.on_answer: Callable[[], None] | None = None
-        self.idle_seconds = 0.0
 
     def follow(self, session: Session, request: Request) -> None:
         """Goes on with another session, whose first frame says what changes from the last one of this session.
@@ -69,7 +65,7 @@ class Replay:
         Raises:
             UserError: errors of quantities cannot be estimated.
         """
-        self.session, self.measuring = session, request.measured != "nothing"
+        self.session = session
         self.rows = FrameRows(self.solver, request.scene)
         self.errors.follow(session, request)
 
@@ -107,9 +103,8 @@ class Replay:
         """Spend the edit time before a frame; the seconds that this has taken, which are none of the frame's."""
         if self.prediction is None:
             return 0.0
-        start, begun = perf_counter(), process_time()
+        start = perf_counter()
         self.solver.idle(edit)
-        self.idle_seconds = process_time() - begun
         self.stages.reset()
         return perf_counter() - start
 
@@ -155,7 +150,7 @@ class Replay:
 
     def _measure(self, edit: ScriptFrame, row: RowValues) -> None:
         """Add what is known of the answer: its residual and its errors."""
-        measured = self.solver.known and not row["refused"] and self.measuring
+        measured = self.solver.known and not row["refused"] and self.errors.measuring
         row["mesh_area"] = self.moving.area()
         self.errors.add_to(row, edit, measured)
 
