@@ -149,9 +149,13 @@ def formatted_constraint(finding: Finding, worst: bool = False) -> str:
     return f"{finding.subjects[0]} is {far}{value}, {'at least' if finding.detail == MIN else 'at most'} {bound}"
 
 
+OF_BOTH = frozenset(("constraint_status", "violated_constraints", "note", "findings"))
+"""Columns that an application and all frames have a part in."""
+
+
 def joined(row: RowValues, own: RowValues) -> RowValues:
     """The columns of an application, with its constraint status, findings and notes before those that a row has."""
-    if not own:
+    if OF_BOTH.isdisjoint(own):
         return own
     known = [status for one in (own, row) if (status := text(one, "constraint_status"))]
     worst = next((status for status in (FAILS, UNCERTAIN) if status in known), "".join(known[:1]))
