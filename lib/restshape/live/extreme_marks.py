@@ -83,7 +83,7 @@ class ExtremeMarks:
         """The node at which a quantity has its value, or the middle one of the place where it is taken."""
         if not one.field:
             return None if one.nodes is None or not len(one.nodes) else int(one.nodes[len(one.nodes) // 2])
-        values, nodes = _values(one, seen)
+        values, nodes = values_of(one, seen)
         if one.reduce in ("absmax", "peak"):
             values = np.abs(values)
         place = int(values.argmin() if one.reduce == "min" else values.argmax())
@@ -134,7 +134,7 @@ def _field_of(quantity: Quantity, looks: dict[tuple[str, object] | None, str]) -
     return looks.get((quantity.kind, getattr(quantity, quantity.kind)), ""), None
 
 
-def _values(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
+def values_of(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
     """The values (k,) among which a quantity is the extreme, and their nodes (k,); None: those of all nodes."""
     field, nodes = seen.frame.fields[one.field], one.nodes
     if one.field.endswith(IN_CELLS):
@@ -151,7 +151,7 @@ def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
     """The quantity with its value, and its estimated error where there is one; of a field its largest value."""
     row = seen.frame.row
     if not one.name:
-        values, nodes = _values(one, seen)
+        values, nodes = values_of(one, seen)
         return extreme_words(
             "max", float(np.nanmax(values if nodes is None else values[nodes == node])), np.nan, one.unit
         )

@@ -19,6 +19,7 @@ from restshape.live.frame_header import columns_of, errors_of, limits_of_frame
 from restshape.live.grab_parts import OutlineParts
 from restshape.live.moment import Moment
 from restshape.live.moved_marks import MovedMarks
+from restshape.live.recorded_extremes import RecordedExtremes, RecordedSpace, recorded_answer
 from restshape.live.recorded_marks import recorded_marks
 from restshape.live.shape_surface import MODE, ShapeSurface, mode_of
 from restshape.live.shown_colours import colours_of
@@ -80,6 +81,8 @@ class RecordingPlayer:
         self._known: tuple[int, PlayedMesh] | None = None
         self._shapes: list[RecordedShape] = []
         self._moved_marks = MovedMarks()
+        self._extremes = RecordedExtremes()
+        self._looked_at: RecordedSpace | None = None
 
     @cached_property
     def looks(self) -> dict[str, PictureField]:
@@ -164,8 +167,19 @@ class RecordingPlayer:
         parts = [part, *self._outline(outline)]
         found: Sequence[Mark] = ()
         if self.marks and outline is not None and scene is not None and X.shape[1] == 2:
-            found = shown_with(recorded_marks(scene, outline, row, X), mode_of(self.field))
+            seen = recorded_answer(recording, number, row, self._space(number), scene)
+            extremes = [] if row["refused"] else self._extremes(seen)
+            found = shown_with([*recorded_marks(scene, outline, row, X), *extremes], mode_of(self.field))
         return Moment(header, parts, self._moved_marks(found, parts), float(recording.times[number]))
+
+    def _space(self, number: int) -> RecordedSpace:
+        """The mesh of a frame, for marks; the same object where nothing has moved to other cells."""
+        mesh = self.mesh(number)
+        if self._looked_at is None or self._looked_at.topology != mesh.topology:
+            self._looked_at = RecordedSpace(self.recording.points(number), mesh.cells, mesh.topology)
+        else:
+            self._looked_at.X = self.recording.points(number)
+        return self._looked_at
 
     @cached_property
     def _units(self) -> dict[str, str]:
