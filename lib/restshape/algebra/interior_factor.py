@@ -8,7 +8,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.preconditioner import apply_to, free, order_factor
 from restshape.arrays import Reals
 
 SPACES = 60, 240, 960
@@ -153,9 +153,7 @@ class MumpsInterior:
 
     def destroy(self) -> None:
         """Free it."""
-        for part in (self._pc, self._matrix):
-            if part is not None:
-                part.destroy()
+        free(self._pc, self._matrix)
         self._matrix = self._pc = self._factor = None
 
 
@@ -202,15 +200,10 @@ class PlainInterior:
         """The inverse of the first block times each row (k, n)."""
         found = np.empty_like(rows)
         for row, out in zip(rows, found):
-            b, x = (PETSc.Vec().createWithArray(one, comm=PETSc.COMM_SELF) for one in (row, out))
-            self._pc.apply(b, x)
-            b.destroy()
-            x.destroy()
+            apply_to(self._pc, row, out)
         return found
 
     def destroy(self) -> None:
         """Free it."""
-        for part in (self._pc, self._matrix):
-            if part is not None:
-                part.destroy()
+        free(self._pc, self._matrix)
         self._matrix = self._pc = None

@@ -11,7 +11,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.preconditioner import apply_to, free, order_factor
 from restshape.arrays import Reals
 
 if TYPE_CHECKING:
@@ -65,17 +65,12 @@ class BorderedFactor:
     def solve(self, right: Reals) -> Reals:
         """The solution (n,) with right side (n,)."""
         found = np.zeros_like(right)
-        b, x = (PETSc.Vec().createWithArray(one, comm=PETSc.COMM_SELF) for one in (right, found))
-        self._pc.apply(b, x)
-        for part in (b, x):
-            part.destroy()
+        apply_to(self._pc, right, found)
         return found
 
     def destroy(self) -> None:
         """Free it."""
-        for part in (self._pc, self._matrix):
-            if part is not None:
-                part.destroy()
+        free(self._pc, self._matrix)
         self._matrix = self._pc = None
 
 

@@ -50,27 +50,47 @@ def set_preconditioner(
         wanted = {"sub_ksp_type": "preonly", "sub_pc_type": kind, **_factor_options(kind, levels, blocks, shifts)}
         _kernels.register_node_cholesky()
     else:
-        if whole:
-            # MUMPS has orders of its own: of another factor there before, PETSc would go on to set the order.
-            pc.setType("none")
-        pc.setType(kind)
-        if kind == "gamg":
-            wanted = {"pc_gamg_reuse_interpolation": True}
-        elif whole:
-            pc.setFactorSolverType("mumps")
-        elif kind in COMPLETE:
-            order_factor(pc, blocks)
-        elif kind in FACTORS:
-            pc.setFactorLevels(levels)
-            if shifts:
-                # Slender parts make incomplete factors indefinite, for which CG has no use.
-                pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
+        wanted = _set_whole(pc, kind, levels, whole, blocks, shifts)
     options = PETSc.Options(ksp.getOptionsPrefix() or "")
     given = [key for key in wanted if not options.hasName(key)]
     for key in given:
         options.setValue(key, wanted[key])
     pc.setFromOptions()
     return given
+
+
+def _set_whole(pc: PETSc.PC, kind: str, levels: int, mumps: bool, blocks: bool, shifts: bool) -> dict[str, object]:
+    """Set a preconditioner of the whole matrix up to its options, which are returned; arguments as of the above."""
+    if mumps:
+        # MUMPS has orders of its own: of another factor there before, PETSc would go on to set the order.
+        pc.setType("none")
+    pc.setType(kind)
+    if kind == "gamg":
+        return {"pc_gamg_reuse_interpolation": True}
+    if mumps:
+        pc.setFactorSolverType("mumps")
+    elif kind in COMPLETE:
+        order_factor(pc, blocks)
+    elif kind in FACTORS:
+        pc.setFactorLevels(levels)
+        if shifts:
+            # Slender parts make incomplete factors indefinite, for which CG has no use.
+            pc.setFactorShift(PETSc.Mat.FactorShiftType.POSITIVE_DEFINITE)
+    return {}
+
+
+def apply_to(pc: PETSc.PC, right: Reals, out: Reals) -> None:
+    """Apply the preconditioner of a sequential matrix to `right` (n,), into `out` (n,)."""
+    b, x = (PETSc.Vec().createWithArray(one, comm=PETSc.COMM_SELF) for one in (right, out))
+    pc.apply(b, x)
+    free(b, x)
+
+
+def free(*parts: PETSc.Object | None) -> None:
+    """Destroy what there is of these."""
+    for part in parts:
+        if part is not None:
+            part.destroy()
 
 
 def cycle_in_single(pc: PETSc.PC) -> bool:
