@@ -20,9 +20,11 @@ const MANY = 9; // words, which would hide the shape if each had a place somewhe
 /** Where a word may be beside its place: to the right or left, above or below. */
 const SPOTS = [{ right: true, above: true }, { right: false, above: true }, { right: true, above: false }, { right: false, above: false }];
 
-type Box = [number, number, number, number];
+/** Left, top, right, bottom. */
+export type Box = [number, number, number, number];
 
 export class Labels {
+  covered: Box[] = [];                               // where no word is, since something else lies there
   private readonly sets = new Map<string, Shown[]>();
   private readonly work = new Vector3();
 
@@ -40,7 +42,7 @@ export class Labels {
 
   /** Moves all words to where their places are seen. scale: of displacements. */
   place(view: View, width: number, height: number, scale: number): void {
-    const taken: Box[] = [], spots = this.count > MANY ? 1 : SPOTS.length;
+    const taken: Box[] = [...this.covered], spots = this.count > MANY ? 1 : SPOTS.length;
     for (const shown of this.sets.values()) {
       for (const one of shown) {
         const { x, y, z } = view.toScreen(

@@ -3,6 +3,7 @@
 import { Vector3 } from "three";
 
 import type { App } from "../app";
+import type { Box } from "../draw/labels";
 import type { Scene } from "../draw/scene";
 import { Steps } from "./steps";
 import { drawnAt, middle, numbersOf, type Target } from "./targets";
@@ -60,11 +61,13 @@ export class Turning {
       button.title = title;
       button.setAttribute("aria-label", `${title}: drag, or arrow keys`);
     }
+    if (!this.target) this.scene.labels.covered = [];
     this.scene.request();
   }
 
   private place(): void {
     if (!this.target || this.steps) return;
+    const covered: Box[] = [];
     const box = this.box(this.target);
     const { clientWidth, clientHeight } = this.scene.canvas;
     const spots = { rotate: [(box.left + box.right) / 2, box.top - 30], scale: [box.right + 22, box.bottom + 22] };
@@ -73,7 +76,9 @@ export class Turning {
       const left = Math.min(Math.max(x - 15, 2), clientWidth - 34);
       const top = Math.min(Math.max(y - 15, 2), clientHeight - 34);
       this.buttons[kind].style.transform = `translate(${left}px, ${top}px)`;
+      if (!this.buttons[kind].hidden) covered.push([left, top, left + 30, top + 30]);
     }
+    this.scene.labels.covered = covered;
   }
 
   private box(target: Target): { left: number; right: number; top: number; bottom: number } {
