@@ -55,9 +55,14 @@ def test_what_is_no_message_and_no_event_is_answered_and_changes_nothing(scene, 
     session = LocalSession(scene, out := tmp_path / "session.jsonl")
     bad = ["", "[]", "{", '{"type": "event", "id": 3}', '{"type": "dance", "id": 9}', '{"type": "pause", "id": -1}']
     bad += ['{"type": "show", "id": 11, "field": 7}', '{"type": "event", "id": 12, "event": []}']
+    # No page says where a file is written.
+    elsewhere = str(tmp_path / "elsewhere.jsonl")
+    bad += [json.dumps({"type": "save", "id": 13, "path": elsewhere})]
+    bad += [json.dumps({"type": "record", "id": 14, "on": True, "path": elsewhere})]
     answers = session.say_all(bad)
     assert [one["type"] for one in answers] == ["refused"] * len(bad)
-    assert [one["id"] for one in answers] == [0, 0, 0, 3, 9, 0, 11, 12]
+    assert [one["id"] for one in answers] == [0, 0, 0, 3, 9, 0, 11, 12, 13, 14]
+    assert [path.name for path in tmp_path.iterdir()] == [out.name]
     (one,) = session.event("drag", to=[1, 1])
     assert one["type"] == "refused" and "before a press" in one["message"] and one["todo"]
     (one,) = session.event("set", key="material.steel.E", value="1 GPa", wrong=1)
