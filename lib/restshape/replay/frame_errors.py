@@ -16,6 +16,7 @@ from restshape.replay.linear_theory import LinearTheory
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.singular_quantities import SingularQuantities
 from restshape.replay.uncertain_limits import UncertainLimits
+from restshape.replay.unsolved import note_unsolved
 from restshape.scene.quantity import CORE
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ class FrameErrors:
         known = self.prediction.known_estimate() if self.prediction and row["predicted"] else None
         looked_at = answered and known is None and (wanted.answer or not row["predicted"] or self._measures_predicted)
         row["residual"] = self._residual() if looked_at else nan
+        note_unsolved(row, edit.scene.solve.tolerance)
         row.update(self._estimates(row, looked_at, wanted))
         if known is not None and wanted.answer:
             row["estimate"] = known
