@@ -143,6 +143,11 @@ SCENES = [
         ("c = [2, 1]\nd = [0, 1]", "c = [0, 1]\nd = [2, 1]"),
         argv=("replay", "{scene}", "{script}"),
     ),
+    Case(
+        "edits in place of the scene",
+        ("plate.jsonl", "JSON, as edits are", "name the scene first"),
+        argv=("check", "{script}", "{scene}"),
+    ),
     Case("binary scene", ("plate.toml", "not a text file"), prepare=scene_bytes(bytes(range(256)))),
     Case("empty scene", ("plate.toml: format", "not a scene"), prepare=scene_bytes(b"")),
     Case("missing scene", ("nowhere.toml", "no such scene"), argv=("check", "{folder}/nowhere.toml")),

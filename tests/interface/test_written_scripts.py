@@ -63,3 +63,11 @@ def test_nothing_is_moved_that_no_hand_holds(held):
     held.add("release", {})
     with pytest.raises(restshape.UserError, match="before a press"):
         held.add("drag", {"to": [0.1, 0.06]})
+
+
+def test_the_name_of_a_file_is_neither_a_scene_nor_a_script(bracket):
+    for call in (restshape.open, restshape.replay, lambda name: restshape.new_script(name, [])):
+        with pytest.raises(restshape.UserError, match=r"restshape\.load\('bracket.toml'\)"):
+            call("bracket.toml")
+    with pytest.raises(restshape.UserError, match=r"restshape\.load_script\('edits.jsonl'\)"):
+        restshape.replay(bracket, Path("edits.jsonl"))

@@ -120,7 +120,7 @@ def test_every_event(read):
         ({"t": 0, "do": "insert", "on": "a", "name": "v", "s": 1}, "less than 1"),
         ({"t": 0, "do": "insert", "on": "a", "name": "all", "s": 0.5}, "means something already"),
         ({"t": 0, "do": "arc", "on": "a"}, "exactly one of through, bulge"),
-        ({"t": 0, "do": "hole", "name": "h", "center": [0, 0]}, "exactly one of radius"),
+        ({"t": 0, "do": "hole", "name": "h", "center": [0, 0]}, "radius is wanted here, too"),
         ({"t": 0, "do": "hole", "name": "h", "polygon": [[0, 0], [1, 1]]}, "at least 3 entries"),
         ({"t": 0, "do": "drag", "to": [0, 0]}, "a drag before a press"),
         ({"t": 0, "do": "release"}, "a release before a press"),

@@ -6,6 +6,7 @@ from pathlib import Path
 from petsc4py import PETSc
 
 from restshape.interface.run import Run
+from restshape.interface.scripts import refuse_names
 from restshape.interface.simulation import Predict
 from restshape.replay.chosen_frames import ChosenFrames
 from restshape.replay.request import Measured, Request
@@ -46,6 +47,8 @@ def replay(
     Raises:
         UserError: the scene cannot be simulated, not be predicted, or the file cannot be written; `only` is empty.
     """
+    refuse_names(scene, "load")
+    refuse_names(script, "load_script")
     request = Request.of(scene, script, policy, guess, predict=predict, measured=measured)
     chosen = None if only is None else ChosenFrames.of(only)
     recorder = recorder_of(request, Path(out)) if out and PETSc.COMM_WORLD.rank == 0 else None

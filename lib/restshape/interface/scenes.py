@@ -8,6 +8,7 @@ from typing import cast
 
 from restshape.interface.plain import plain
 from restshape.interface.saved import save_text
+from restshape.interface.scripts import refuse_names
 from restshape.scene.load import load_scene, revise, scene_of_tables
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
@@ -50,6 +51,7 @@ def changed(scene: Scene, key: str, value: object) -> Scene:
     Raises:
         UserError: there is no such key, or the value does not suit it.
     """
+    refuse_names(scene, "load")
     return revise(scene, key, plain(value, key))
 
 
@@ -64,4 +66,5 @@ def save_scene(scene: Scene, path: str | Path, force: bool = False) -> None:
     """
     from restshape.export.toml_scene import toml_text
 
+    refuse_names(scene, "load")
     save_text(Path(path), toml_text(scene.raw), force)

@@ -8,7 +8,7 @@ from math import ceil, isfinite
 from pathlib import Path
 from typing import Literal
 
-from restshape.errors import UserError
+from restshape.errors import UserError, quoted
 from restshape.interface.plain import plain
 from restshape.interface.saved import save_text
 from restshape.scene import edit_script
@@ -232,6 +232,20 @@ def load_script(path: str | Path, scene: Scene | None = None) -> Script:
     return edit_script.load_script(path, scene)
 
 
+def refuse_names(value: object, reader: str) -> None:
+    """Refuses the name of a file where what is in it is wanted.
+
+    Args:
+        value: a scene or a script; reader: what reads one of a file, such as ``load``.
+
+    Raises:
+        UserError: it is a text or a path.
+    """
+    if isinstance(value, str | Path):
+        what = f"{quoted(str(value))} is the name of a file"
+        raise UserError(what, do=f"give what is in it: restshape.{reader}({str(value)!r})")
+
+
 def new_script(scene: Scene, events: Iterable[Mapping[str, object]], analysis: When = "every frame") -> Script:
     """An edit script of events, validated for a scene as one of a file is.
 
@@ -244,6 +258,7 @@ def new_script(scene: Scene, events: Iterable[Mapping[str, object]], analysis: W
     Raises:
         UserError: naming the line that the event would be, and the key of what is wrong.
     """
+    refuse_names(scene, "load")
     written = WrittenScript(scene, analysis)
     for event in events:
         written.add(str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"})

@@ -12,7 +12,7 @@ from restshape.errors import UserError
 from restshape.interface.edits import Edits
 from restshape.interface.frame_loop import frame_loop
 from restshape.interface.hand import Hand
-from restshape.interface.scripts import When, WrittenScript
+from restshape.interface.scripts import When, WrittenScript, refuse_names
 from restshape.interface.shown_frame import LastAnswer, ShownFrame
 from restshape.replay.request import Measured, Request
 from restshape.scene.edit_script import Script
@@ -78,6 +78,7 @@ class Simulation(Edits):
         petsc: Sequence[str] = (),
         measured: Measured = "all",
     ) -> None:
+        refuse_names(scene, "load")
         self._written = WrittenScript(scene, analysis)
         script = self._written.script()
         request = Request.of(scene, script, policy, guess, calibration, petsc, predict, measured=measured)

@@ -188,6 +188,8 @@ def _syntax_error(error: tomllib.TOMLDecodeError, text: str, path: Path) -> User
     where = f"{path.name} ({place})" if place else path.name
     if "overwrite" in what or "twice" in what or "Duplicate" in what:
         return UserError("a name or key is used twice", where, "rename or remove one of the two")
+    if text.lstrip().startswith("{"):
+        return UserError("this is JSON, as edits are, and no scene", where, "name the scene first, then its edits")
     sign = _sign_at(text, place)
     letter = sign.isalpha() and not sign.isascii()
     do = f"write keys with {sign!r} in quotes" if letter else "see https://toml.io for the syntax"

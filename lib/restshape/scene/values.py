@@ -83,6 +83,8 @@ def only_one(model: Strict, keys: Collection[str]) -> str:
     if len(present) != 1:
         found = " and ".join(present) if present else "none of them"
         do = f"keep one of them: {' or '.join(present)}" if present else "add one of them"
+        if len(keys) == 1:
+            raise UnitError(f"{', '.join(keys)} is wanted here, too", "add it")
         raise UnitError(f"exactly one of {', '.join(keys)} is wanted here, but there is {found}", do)
     return present[0]
 

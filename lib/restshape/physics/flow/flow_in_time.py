@@ -136,7 +136,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             return
         if before.past is None:
             x = problem.initial()
-            self.state = replace(self.state, x=x, past=Past(0.0, Level.of(problem, x), at_rest=True))
+            self.state = replace(self.state, x=x, past=Past(0.0, Level.of(problem, x)))
 
     def _goes_on_from(
         self, equations: ResidualEquations, frame: Frame, before: FlowState

@@ -56,15 +56,12 @@ class Past:
         last: the fields then.
         before: at the end of the step before, on the same nodes; None: there was none.
         dt: between the two [s].
-        at_rest: the last one is that before walls and streams set in, all at once: a difference of second order over
-            that jump would push it back, so that the first two steps are of first order.
     """
 
     time: float
     last: Level
     before: Level | None = None
     dt: float = 0.0
-    at_rest: bool = False
 
     @property
     def levels(self) -> list[Level]:
@@ -104,4 +101,4 @@ class Past:
         level = Level.of(problem, x)
         if np.array_equal(level.cells, self.last.cells):
             level = replace(level, cells=self.last.cells)
-        return Past(step.time, level, None if self.at_rest else self.last, step.dt)
+        return Past(step.time, level, self.last, step.dt)

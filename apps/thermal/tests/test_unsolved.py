@@ -35,10 +35,10 @@ loss = { heat_flow = true, at = "right" }
 """
 
 
-@pytest.mark.parametrize(("conductivity", "told"), [(1e3, False), (1e14, True)])
-def test_a_residual_far_beyond_the_tolerance_is_told(tmp_path, conductivity, told):
+@pytest.mark.parametrize(("conductivity", "warned"), [(1e3, False), (1e14, True)])
+def test_a_residual_far_beyond_the_tolerance_is_reported(tmp_path, conductivity, warned):
     scene = write_scene(tmp_path, head("thermal") + WALL.replace("= K", f"= {conductivity:g}"))
     row = next(make_replay(scene).frames())
-    assert (row["residual"] > 1e-3) is told
-    assert ("not to be trusted: the residual is" in row["note"]) is told
-    assert told or row["q_loss"] == pytest.approx(30.0 / (1.0 + 1.0 / conductivity + 1.0), rel=1e-6)
+    assert (row["residual"] > 1e-3) is warned
+    assert ("not to be trusted: the residual is" in row["note"]) is warned
+    assert warned or row["q_loss"] == pytest.approx(30.0 / (1.0 + 1.0 / conductivity + 1.0), rel=1e-6)
