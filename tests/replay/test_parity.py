@@ -102,8 +102,6 @@ REFUSED = {
 
 
 BESIDE = {
-    # Residuals of its equations are below the tolerance; velocities over their range are off by a little more.
-    ("thermal", "thesis"): 2e-6,
     # Inverse iteration goes on with its modes where another one has come below the highest of them (3,350, 3,238 Hz).
     ("artist", "thesis"): 0.04,
 }

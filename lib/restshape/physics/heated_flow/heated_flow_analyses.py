@@ -82,6 +82,11 @@ class Switching(NonlinearSteadyAnalysis):
         return compared_by_fields(self.warm_system(), self.cold_system(), problem.usual(self.x))
 
     @property
+    def tolerance(self) -> float:
+        """That fields meet, each over its range: twice that of residuals, which hold in the norm of forces."""
+        return 2.0 * super().tolerance
+
+    @property
     def _has_solved(self) -> bool:
         """Whether the last frame has solved anything."""
         return True
