@@ -9,7 +9,11 @@ import pytest
 from petsc4py import PETSc
 
 from restshape.algebra.candidates import CHOLESKY
+from restshape.algebra.linear import LinearSolver
 from restshape.algebra.outlay import FEW, Outlay, Rival
+from restshape.algebra.prices import Size
+from restshape.algebra.stages import Stages
+from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
@@ -91,3 +95,23 @@ def test_it_is_left_as_soon_as_another_one_would_have_paid(frames):
     changed = [row["preconditioner"] for row in frames].index("cholesky", 1)
     before, last = frames[changed - 2], frames[changed - 1]
     assert before["beyond"] < before["setup"] == last["setup"] <= last["beyond"]
+
+
+def test_what_comes_in_place_of_a_failed_one_has_an_account_of_its_own():
+    """Without a rival that has failed: one that is left for costing too much never goes to that."""
+    solver = LinearSolver(PETSc.COMM_SELF, "outlay_", "auto", 1e-6, NOMINAL, Stages(), traits=Traits())
+    kept, choice = solver.kept, solver.kept.choice
+    kept.size = Size(1_000_000, 13_800_000.0, 2)
+    choice.memory = 0.0
+    kept.begin_system()
+    while True:
+        failed = kept.candidate
+        choice.outlay.solve(1e9)
+        if not kept.replace_failed():
+            break
+        assert (choice.outlay.solves, choice.outlay.spent) == (0, 0.0)
+        rival = choice.outlay.rival
+        assert kept.candidate is not failed
+        assert rival is None or rival.candidate not in (kept.candidate, failed)
+        assert rival is None or rival.candidate.name not in choice.excluded
+    assert len(choice.excluded) > 1

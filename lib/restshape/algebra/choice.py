@@ -137,10 +137,14 @@ class Choice:
     def _instead(self, size: Size) -> Candidate:
         """The rival of a candidate that has cost too much, whose own account begins."""
         chosen = made(self.outlay.rival).candidate
+        self.instead(chosen, size)
+        return chosen
+
+    def instead(self, chosen: Candidate, size: Size) -> None:
+        """Take in that a candidate comes in place of another one, which has failed or cost too much."""
         costs = [(candidate, self.cost(candidate, size)) for candidate in self.open(size)]
         self._begin(chosen, costs, size)
         self._log_choice(chosen, costs, size)
-        return chosen
 
     def _log_choice(self, chosen: Candidate, costs: Sequence[tuple[Candidate, float]], size: Size) -> None:
         if log.isEnabledFor(logging.INFO):

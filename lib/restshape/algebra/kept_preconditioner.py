@@ -330,8 +330,8 @@ class KeptPreconditioner:
         left = self.choice.open(self.size)
         if left[0] is self.candidate or left[0].name in self.choice.excluded:
             return False
-        self._reset()
-        self._take(left[0])
+        self.choice.instead(left[0], self.size)
+        self._change(left[0])
         return True
 
     def _exchange(self) -> bool:

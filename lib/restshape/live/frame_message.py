@@ -22,11 +22,11 @@ class FrameEncoder:
 
     def __init__(self) -> None:
         self._parts: dict[str, PicturePart] = {}
-        self._marks: Sequence[Mark] = ()
+        self._marks: Sequence[Mark] | None = None
 
     def forget(self) -> None:
         """The next message has all."""
-        self._parts, self._marks = {}, ()
+        self._parts, self._marks = {}, None
 
     def __call__(
         self, header: Mapping[str, object], parts: Sequence[PicturePart], marks: Sequence[Mark] = ()
@@ -44,7 +44,9 @@ class FrameEncoder:
         said += [{"name": name, "gone": True, "arrays": {}} for name in self._parts if name not in names]
         self._parts = {part.name: part for part in parts}
         whole = {**header, "parts": said}
-        if len(marks) != len(self._marks) or any(one is not other for one, other in zip(marks, self._marks)):
+        known = self._marks
+        # Where nothing is known of the other side, it may have marks although there are none.
+        if known is None or len(marks) != len(known) or any(one is not other for one, other in zip(marks, known)):
             whole["marks"] = [placed(mark, body) for mark in marks]
             self._marks = [*marks]
         text = json_bytes(whole)

@@ -34,7 +34,7 @@ class Request:
             several.
         overrides: ``key=value`` of the command line, which the scene has taken in.
         guided: as in `Context`.
-        measured: beside each frame, off its time; no other column depends on it.
+        measured: beside each frame, off its time; no other column depends on it but notes of what is measured.
     """
 
     scene: Scene
