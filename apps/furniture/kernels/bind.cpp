@@ -217,7 +217,7 @@ py::tuple tested(ManySprings& m, const std::optional<Doubles>& gamma, int ending
     py::array_t<double> utilisations({static_cast<py::ssize_t>(found.flaws.size()), py::ssize_t{m.joints()}});
     double* row = utilisations.mutable_data();
     for (const std::vector<double>& one : found.utilisations) row = std::copy(one.begin(), one.end(), row);
-    return py::make_tuple(found.flaws, utilisations);
+    return py::make_tuple(found.flaws, utilisations, found.sprung);
 }
 
 py::list missed(const Doubles& centre, const Doubles& axes, const Doubles& size, const Integers& joints,
@@ -269,8 +269,9 @@ void bind_many_springs(py::class_<Furniture>& c) {
             "Whether the piece bears its loads with some of the springs alone, by reason of a joint whose utilisation "
             "differs by more than `spread`.")
         .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
-             "Flaws (bits), and the largest utilisation (m, j) of each joint over all cases, with each of the springs: "
-             "up to the first with a flaw of `ending`.");
+             "Flaws (bits), the largest utilisation (m, j) of each joint over all cases, and whether some case is left to "
+             "springs that also pull since one-sided contacts were not solved, with each of the springs: up to the first "
+             "with a flaw of `ending`.");
 }
 
 void bind_mixed(py::class_<Furniture>& c) {

@@ -57,6 +57,7 @@ void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations) {
     for (size_t c = 0; c < P.cases.size(); ++c) {
         equilibrate(static_cast<int>(c));
         if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
+        check.sprung = check.sprung || states_[c].sprung;
         add_utilisation(static_cast<int>(c), check, most, doubts, utilisations);
     }
     for (const Overloaded& one : most)
@@ -161,6 +162,7 @@ DesignCheck Furniture::invalid(DesignCheck check) {
 void Furniture::equilibrate(int load_case) {
     CaseState& state = states_[load_case];
     const bool balanced = state.unbalanced_load <= balance_tolerance;
+    state.sprung = false;
     if (state.found && state.law == Law::unilateral && balanced &&
         equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state))
         return;
@@ -170,11 +172,29 @@ void Furniture::equilibrate(int load_case) {
     if (!state.found || !balanced || inside(load_case)) return;
     const std::vector<double> kept = state.x;
     const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
-    if (ends || ease(load_case, kept)) {
+    if (ends || stiffen(load_case) || ease(load_case, kept)) {
         state.law = Law::unilateral;
     } else {
-        state.x = kept;
+        state.x = kept, state.sprung = true;
     }
+}
+
+bool Furniture::stiffen(int load_case) {
+    CaseState& state = states_[load_case];
+    const double floor = P.settings.eps_floor;
+    bool found = false;
+    std::vector<double> x(6 * P.count());
+    for (const double softer : {1e3, 1e2, 1e1, 1.0}) {
+        P.settings.eps_floor = softer * floor;
+        // The first that converges starts from springs, the others from the last that did.
+        state.x.assign(x.begin(), x.end());
+        if (!found && (softer == 1.0 || equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) < 0)) continue;
+        const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+        if (ends) x = state.x;
+        found = softer == 1.0 ? ends : found || ends;
+    }
+    P.settings.eps_floor = floor;
+    return found;
 }
 
 bool Furniture::ease(int load_case, const std::vector<double>& springs) {

@@ -23,6 +23,7 @@ struct Overloaded {
 
 struct DesignCheck {
     int flaws = 0;
+    bool sprung = false;             // the equilibrium of some case, as `CaseState` has it
     double pull = 0.0, shear = 0.0;  // the largest utilisation of a joint's strength, in parts of it
     double unbalanced_load = 0.0;
     std::vector<Flawed> faults;
@@ -106,6 +107,9 @@ class Furniture {
     // One-sided contact from the last such state where there is one; else springs, and one-sided contact where those
     // pull or slide.
     void equilibrate(int load_case);
+
+    // Whether one-sided contacts converge on floors that grow stiffer up to that of the model.
+    bool stiffen(int load_case);
 
     // Whether one-sided contacts converge by the longer way, from where springs are.
     bool ease(int load_case, const std::vector<double>& springs);

@@ -6,6 +6,31 @@
 
 namespace restshape::planks {
 
+namespace {
+
+// The utilisations of joints over some springs, and whether the piece bears its loads with them.
+struct Spread {
+    std::vector<double> low, high;
+    bool bears = false, breaks = false;
+
+    explicit Spread(int joints) : low(joints, std::numeric_limits<double>::infinity()), high(joints, 0.0) {}
+
+    void add(const DesignCheck& check, const std::vector<double>& utilisations) {
+        (check.flaws & weak ? breaks : bears) = true;
+        for (size_t k = 0; k < low.size(); ++k)
+            low[k] = std::min(low[k], utilisations[k]), high[k] = std::max(high[k], utilisations[k]);
+    }
+
+    // Whether a joint that differs by more than `spread` breaks with some of them alone.
+    bool decides(double spread) const {
+        for (size_t k = 0; bears && breaks && k < low.size(); ++k)
+            if (low[k] <= 1.0 && high[k] > 1.0 && high[k] > low[k] + spread) return true;
+        return false;
+    }
+};
+
+}  // namespace
+
 ManySprings::ManySprings(Piece piece, std::vector<Springs> springs)
     : model_(std::move(piece)), springs_(std::move(springs)) {}
 
@@ -19,6 +44,7 @@ ManySprings::Found ManySprings::test(const double* gamma, int ending) {
         if (goes_on) bear(springs, check, utilisations);
         found.flaws.push_back(check.flaws & every_flaw);
         found.utilisations.push_back(std::move(utilisations));
+        found.sprung.push_back(check.sprung);
         if (check.flaws & ending) break;
     }
     return found;
@@ -27,26 +53,24 @@ ManySprings::Found ManySprings::test(const double* gamma, int ending) {
 bool ManySprings::decide(const double* gamma, double spread) {
     DesignCheck held;
     if (!model_.hold(gamma, every_flaw, false, held) || (held.flaws & every_flaw)) return false;
-    std::vector<double> low(joints(), std::numeric_limits<double>::infinity()), high(joints(), 0.0);
-    bool bears = false, breaks = false, found = false;
+    // Springs of which one-sided contacts are not solved count only where no others are.
+    Spread solved(joints()), sprung(joints());
+    bool any_solved = false;
     for (const Springs& springs : springs_) {
-        DesignCheck check;
-        std::vector<double> utilisations(joints(), 0.0);
         // What is found already can only be undone by a case without an equilibrium.
-        if (found) {
+        if (solved.decides(spread)) {
             set(springs);
             if (!model_.springs_rest()) return false;
             continue;
         }
+        DesignCheck check;
+        std::vector<double> utilisations(joints(), 0.0);
         bear(springs, check, utilisations);
         if (check.flaws & unbalanced) return false;
-        (check.flaws & weak ? breaks : bears) = true;
-        for (int k = 0; k < joints(); ++k) {
-            low[k] = std::min(low[k], utilisations[k]), high[k] = std::max(high[k], utilisations[k]);
-            found = found || (bears && breaks && low[k] <= 1.0 && high[k] > 1.0 && high[k] > low[k] + spread);
-        }
+        any_solved = any_solved || !check.sprung;
+        (check.sprung ? sprung : solved).add(check, utilisations);
     }
-    return found;
+    return (any_solved ? solved : sprung).decides(spread);
 }
 
 void ManySprings::bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations) {

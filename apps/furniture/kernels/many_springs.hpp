@@ -20,6 +20,7 @@ class ManySprings {
     struct Found {
         std::vector<int> flaws;
         std::vector<std::vector<double>> utilisations;
+        std::vector<bool> sprung;  // as `DesignCheck` has it
     };
     Found test(const double* gamma, int ending);
 

@@ -73,13 +73,18 @@ def compliances(piece: Piece, nominal: Compliance) -> tuple[Compliance, ...]:
 def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | None:
     """The utilisation of joints of a piece over all ratios; None where its joints are open or it has no equilibrium.
 
+    Ratios at which no equilibrium with unilateral contact is found are left out, where there are others.
+
     Source: docs/theory/furniture.md, "What compliance decides".
     """
-    flaws, utilisations = _springs(Furniture(piece, nominal), compliances(piece, nominal)).test(
+    flaws, utilisations, sprung = _springs(Furniture(piece, nominal), compliances(piece, nominal)).test(
         ending=ALL ^ WEAK ^ UNSTABLE
     )
     if flaws[-1] & (ALL ^ WEAK ^ UNSTABLE):
         return None
+    if not all(sprung):
+        solved = np.flatnonzero(~np.array(sprung))
+        flaws, utilisations = [flaws[k] for k in solved], utilisations[solved]
     bears = [not one & WEAK for one in flaws]
     falls = any(one & UNSTABLE for one in flaws)
     return UtilisationRange(
