@@ -269,8 +269,10 @@ void bind_many_springs(py::class_<Furniture>& c) {
             "Whether the piece bears its loads with some of the springs alone, by reason of a joint whose utilisation "
             "differs by more than `spread`.")
         .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
-             "Flaws (bits), the largest utilisation (m, j) of each joint over all cases, and whether some case is left to "
-             "springs that also pull since one-sided contacts were not solved, with each of the springs: up to the first "
+             "Flaws (bits), the largest utilisation (m, j) of each joint over all cases, and whether some case is left "
+             "to "
+             "springs that also pull since one-sided contacts were not solved, with each of the springs: up to the "
+             "first "
              "with a flaw of `ending`.");
 }
 
