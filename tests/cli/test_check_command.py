@@ -167,7 +167,7 @@ def test_check_shows_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     path = write_cloth(tmp_path, BALL, clamp, start)
     assert check(path, "--json", tmp_path / "check.json") == 0
     reported = " ".join(capsys.readouterr().out.split())
-    assert "sphere, center (0.5, half, -0.3), radius 0.25, friction 0.3" in reported
+    assert "sphere, center (0.5, half, -0.3) m, radius 250 mm, friction 0.3" in reported
     assert "x = 0 and slope = 0 on left" in reported and "symmetry x on right" in reported
     assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in reported
     # 1 m^2 of 0.5 mm at 400 kg/m^3
@@ -181,7 +181,7 @@ def test_check_shows_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
 def test_check_shows_seams_by_the_keys_of_the_scene(tmp_path, capsys):
     path = write_cloth(tmp_path, BALL, PIN, '[seams.side]\nfrom = "left"\nto = "right"\n')
     assert check(path, "--json", tmp_path / "check.json") == 0
-    assert "from (left), to (right), ease 0.02" in capsys.readouterr().out
+    assert "from left, to right, ease 0.02" in capsys.readouterr().out
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["seams"] == {"side": {"from": ["left"], "to": ["right"], "ease": 0.02, "slack": 0.0, "pleats": {}}}
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import ezdxf
 import pytest
+from pydantic import BaseModel
 from small_scenes import HEAD, block, meshed, plate, write_scene
 
 from restshape.cli.check_scene import add_drawing, starting_outline
@@ -15,13 +16,21 @@ from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.limits import large_drawing, messages
 from restshape.errors import UserError
 from restshape.physics.elasticity.inspection import inspect_solid
-from restshape.scene.descriptions import but_rounding
+from restshape.scene.bodies import Body, body_words
+from restshape.scene.descriptions import but_rounding, keys_in_words, with_symbol
 from restshape.scene.edit_script import read_script
 from restshape.scene.expressions import Expression
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 
 SCENES = Path(__file__).parents[1] / "scenes"
+
+
+class Outlet(BaseModel):
+    on: tuple[str, ...]
+    outflow: bool = True
+
+
 BODY = """
 [material.m]
 E = {E}
@@ -296,3 +305,24 @@ def test_what_is_small_is_not_rounding():
         assert found != 0.0 and but_rounding(formula, found, known) == 0.0, text
     root = Expression("sqrt(a)^2 - a")
     assert root.evaluate(0.0, 0.0, {"a": 2.0}) > 0.0 and but_rounding(root, 4.4e-16, {"a": 2.0}) == 0.0
+
+
+def test_a_support_is_no_place_of_a_quantity(tmp_path):
+    more = '[supports.foot]\non = "bottom"\nfix = ["y"]\n[quantities.push]\nreaction = "y"\nat = "foot"\n'
+    with pytest.raises(UserError, match="'foot' is a support, which cannot be named here") as refused:
+        scene_of(tmp_path, more=more)
+    assert refused.value.do.endswith("holds: 'bottom'")
+
+
+def test_a_table_in_place_of_a_list_has_a_remedy(tmp_path):
+    with pytest.raises(UserError, match="a list is wanted here") as refused:
+        scene_of(tmp_path, more="[goal.target]\nspline = { points = [[0, 0], [1, 0]] }\n")
+    assert refused.value.do == "write a list in brackets in place of the table in braces"
+
+
+def test_what_check_says_has_units_and_no_words_of_python():
+    capsule = Body.model_validate({"capsule": {"start": [0, 0, 0.5], "end": [0.25, 0, 0], "radius": 0.012}})
+    words = "capsule, start (0, 0, 500) mm, end (250, 0, 0) mm, radius 12 mm, friction 0"
+    assert body_words(capsule) == words
+    assert with_symbol(5e-6, "bending stiffness") == "5 µN m"
+    assert keys_in_words(Outlet(on=("right",))) == "on right, outflow"

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from restshape.application import application_of
 from restshape.cli.bare_numbers import FULL_TURN, bare_numbers
 from restshape.cli.relocation_word import relocation_word
-from restshape.errors import UserError
+from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.curve_edges import curve_edges
 from restshape.mesh.sizing import PER_CIRCLE
 from restshape.replay.rounding import load_scales
@@ -58,7 +58,7 @@ def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
     for event in [one for one in script.events if isinstance(one, Set)][:MOST_SETS]:
         try:
             words = _seen(revise(scene, event.key, event.value), outline)
-        except UserError:
+        except (ReplayProblem, UserError):
             # The frame will say why it is refused.
             continue
         found += [f"line {event.line}: set {one}" for one in words if one not in known]

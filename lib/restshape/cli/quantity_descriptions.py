@@ -1,5 +1,8 @@
 """What a scene asks for, in words."""
 
+from pydantic import BaseModel
+
+from restshape.scene.descriptions import keys_in_words
 from restshape.scene.model import Scene
 from restshape.scene.quantity import Quantity, limit_in_unit
 
@@ -12,7 +15,8 @@ def quantity_rows(scene: Scene) -> list[tuple[str, str]]:
 def quantity_descriptions(quantity: Quantity) -> str:
     """What a quantity is of, where, and within which limits it holds."""
     kind, value = quantity.kind, getattr(quantity, quantity.kind)
-    what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {value}"
+    said = keys_in_words(value) if isinstance(value, BaseModel) else value
+    what = kind.replace("_", " ") if value is True else f"{kind.replace('_', ' ')} {said}"
     place = what if quantity.kinds[kind].whole else f"{quantity.reduce} of {what} at {quantity.at or 'all'}"
     limit = f", holds up to {limit_in_unit(quantity.unit, quantity.max)}" if quantity.max is not None else ""
     limit += f", holds from {limit_in_unit(quantity.unit, quantity.min)} on" if quantity.min is not None else ""

@@ -168,5 +168,5 @@ class ShownFrame(ReadableFrame):
             raise UserError("the simulation of this frame is closed", where, "read what you need of it before")
         if self._count != answer.count:
             what = f"the edit has gone on, to frame {answer.count - 1}, and its answer is another one"
-            raise UserError(what, where, "read mesh and fields of a frame before the next one")
+            raise UserError(what, where, "read mesh, fields and derivatives of a frame before the next one")
         return answer.replay

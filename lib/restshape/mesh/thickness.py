@@ -3,6 +3,7 @@
 import numpy as np
 
 from restshape.errors import ReplayProblem
+from restshape.outputs.si_numbers import si
 from restshape.scene.duals import Dual
 from restshape.scene.expressions import Expression, Value
 
@@ -60,4 +61,4 @@ def require_material(X: np.ndarray, thickness: np.ndarray) -> None:
     bad = np.flatnonzero(~(np.isfinite(thickness) & (thickness > 0.0)))
     if len(bad):
         x, y = X[bad[0]]
-        raise ReplayProblem(f"the thickness is {thickness[bad[0]]:g} m at x = {x:g} m, y = {y:g} m")
+        raise ReplayProblem(f"the thickness is {si(float(thickness[bad[0]]), 'm')} at x = {x:g} m, y = {y:g} m")

@@ -12,10 +12,10 @@ from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, mode
 
 from restshape.errors import UserError
 from restshape.scene.body_sizes import Sizes
-from restshape.scene.descriptions import listing
+from restshape.scene.descriptions import listing, with_symbol
 from restshape.scene.space_values import ORIGIN, Angles, Direction, Place, Ratio, Size, evaluated, number
 from restshape.scene.units import UnitError
-from restshape.scene.values import UNIT_SCHEMA, Length, Strict, Whole, only_one, read_unit
+from restshape.scene.values import UNIT_SCHEMA, Length, Strict, Whole, annotation_of, dimension_of, only_one, read_unit
 
 if TYPE_CHECKING:
     from restshape.scene.model import Scene, Support
@@ -336,8 +336,13 @@ def body_words(body: Body) -> str:
     """Kind, keys and friction of a body, for people."""
     form = body.form
     given = [key for key in type(form).model_fields if getattr(form, key) is not None]
-    keys = [f"{key} {listing(getattr(form, key))}" for key in given]
+    keys = [f"{key} {_in_words(form, key)}" for key in given]
     return f"{body.kind}, {', '.join(keys)}, friction {listing(body.friction)}"
+
+
+def _in_words(form: Strict, key: str) -> str:
+    """A key of a body with its unit."""
+    return with_symbol(getattr(form, key), dimension_of(annotation_of(type(form).model_fields[key])))
 
 
 def start_words(start: Start) -> str:

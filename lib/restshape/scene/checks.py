@@ -204,6 +204,10 @@ def _check_references(scene: Scene, source: Source) -> None:
             if name in bodies_of(scene) and name not in kinds:
                 what = f"{name!r} is a body, which cannot be named here"
                 raise source.error(place, what, f"name a part of the shape; the body's own keys are in [bodies.{name}]")
+            if name in scene.supports and name not in kinds:
+                what = f"{name!r} is a support, which cannot be named here"
+                held = " or ".join(map(repr, scene.supports[name].on))
+                raise source.error(place, what, f"name the part of the shape that it holds: {held}")
             _refuse_absent(name, kinds, "entity", place, source)
     for name, load in scene.loads.items():
         _check_load(name, load, kinds, source)

@@ -20,6 +20,8 @@ def listing(value: object, parameters: Mapping[str, float] | None = None) -> str
         value: of a key.
         parameters: of the scene; with them a formula of parameters alone has its value beside it.
     """
+    if isinstance(value, tuple | list) and len(value) == 1 and isinstance(value[0], str):
+        return value[0]
     if isinstance(value, tuple | list):
         # A component that is rounding beside the largest is 0.
         largest = max((abs(one) for one in value if isinstance(one, int | float)), default=0.0)
@@ -27,8 +29,10 @@ def listing(value: object, parameters: Mapping[str, float] | None = None) -> str
         return f"({', '.join(listing(one, parameters) for one in shown)})"
     if isinstance(value, Expression):
         return value.text if parameters is None else f"{value.text}{_value(value, parameters)}"
-    if isinstance(value, bool | str):
-        return str(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
     text = f"{value:.6g}"
     return "0" if text == "-0" else text
 
@@ -76,7 +80,8 @@ def keys_in_words(
         without: keys that are left out.
         parameters: as in `listing`.
     """
-    return ", ".join(f"{key} {words}" for key, words in _keys(model, "", parameters) if key not in without)
+    found = [(key, words) for key, words in _keys(model, "", parameters) if key not in without]
+    return ", ".join(key if words == "true" else f"{key} {words}" for key, words in found)
 
 
 def _keys(model: BaseModel, prefix: str, parameters: Mapping[str, float] | None) -> list[tuple[str, str]]:

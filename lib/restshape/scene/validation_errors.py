@@ -149,6 +149,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
         case "list_type" | "tuple_type":
             single = isinstance(given, str | int | float) and not isinstance(given, bool)
             written = f"write it in brackets, as in [{json.dumps(given, ensure_ascii=False)}]" if single else ""
+            if isinstance(given, dict):
+                written = "write a list in brackets in place of the table in braces"
             return f"a list is wanted here, {shown}", written
         case "string_type":
             return f"text in quotes is wanted here, {shown}", ""

@@ -18,7 +18,7 @@ def _read_bending(raw: Any, info: ValidationInfo) -> float | tuple[float, float]
     given = raw if isinstance(raw, (list, tuple)) else [raw, raw]
     if len(given) != 2:
         raise UnitError(f"two bending stiffnesses are wanted, along and across the grain, or one, not {len(given)}")
-    along, across = (read_number(value, "moment", info) for value in given)
+    along, across = (read_number(value, "bending stiffness", info) for value in given)
     if min(along, across) < 0.0:
         raise UnitError(f"{min(along, across):g} is too small", "write a bending stiffness of at least 0")
     return along if given is not raw else (along, across)
@@ -33,7 +33,7 @@ Bending = Annotated[
             "description": 'in N m, such as "5e-6 N m", or two along and across the grain',
         }
     ),
-    Measured("moment"),
+    Measured("bending stiffness"),
 ]
 
 

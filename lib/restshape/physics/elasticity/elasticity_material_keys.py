@@ -4,6 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from restshape.outputs.si_numbers import si
 from restshape.scene.expressions import Expression, Value
 from restshape.scene.materials import library
 from restshape.scene.model import Material
@@ -17,7 +18,7 @@ ELASTIC_MATERIALS = library("E", "orthotropic")
 def _refuse_flat(value: Value) -> Value:
     """The thickness, unless it is a number that is not positive."""
     if not isinstance(value, Expression) and value <= 0.0:
-        raise UnitError(f"a thickness is greater than 0, not {value:g}")
+        raise UnitError(f"a thickness is greater than 0, not {si(value, 'm')}")
     return value
 
 
