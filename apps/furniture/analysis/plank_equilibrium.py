@@ -59,6 +59,7 @@ class PlankEquilibrium:
             return self._solved(case, 1, np.ascontiguousarray(guess).ravel())
         start = np.zeros(6 * self.furniture.count) if guess is None else np.ascontiguousarray(guess).ravel()
         springs, self.sprung = self._solved(case, 0, start), False
+        of_springs = self.last
         if one_sided or (one_sided is None and self._leans(case, springs)):
             try:
                 return self._solved(case, 1, springs.u.ravel())
@@ -67,6 +68,8 @@ class PlankEquilibrium:
                 if found is None and one_sided:
                     raise
                 self.sprung = found is None
+                if found is None:
+                    self.last = of_springs
                 return found or springs
         return springs
 

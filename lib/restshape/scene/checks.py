@@ -206,8 +206,8 @@ def _check_references(scene: Scene, source: Source) -> None:
                 raise source.error(place, what, f"name a part of the shape; the body's own keys are in [bodies.{name}]")
             if name in scene.supports and name not in kinds:
                 what = f"{name!r} is a support, which cannot be named here"
-                held = " or ".join(map(repr, scene.supports[name].on))
-                raise source.error(place, what, f"name the part of the shape that it holds: {held}")
+                constrained = " or ".join(map(repr, scene.supports[name].on))
+                raise source.error(place, what, f"name the part of the shape that it holds: {constrained}")
             _refuse_absent(name, kinds, "entity", place, source)
     for name, load in scene.loads.items():
         _check_load(name, load, kinds, source)
