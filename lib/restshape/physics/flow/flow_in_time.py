@@ -21,13 +21,14 @@ from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made
-from restshape.physics.flow.carry import Carrier
+from restshape.physics.flow.carry import Carrier, VelocityCorrection
 from restshape.physics.flow.extrapolation import TimeGuess
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.flow_quantities import swinging_lifts
 from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.flow.history import Level, Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
+from restshape.physics.flow.sudden import IMPULSE, after_impulse, is_sudden, with_jumps
 from restshape.physics.flow.swing import Swings, still_note
 from restshape.policy import policy
 from restshape.scene.model import Scene
@@ -109,7 +110,8 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
 
     def row(self) -> RowValues:
         """What the frame's row reports besides: the simulated time [s]."""
-        return still_note(self._strouhal()) | super().row() | {"time": self.time}
+        sudden = {"note": IMPULSE} if made(self.state.past).sudden else {}
+        return still_note(self._strouhal()) | sudden | super().row() | {"time": self.time}
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution; Strouhal numbers of all steps until then."""
@@ -161,13 +163,16 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
         again = new_mesh or before.interrupted
         system.newton.begin(again, not again and frame.mesh.topology != before.topology, None)
         x, past, total = self._goes_on_from(equations, frame, before)
+        if before.bound is not None and frame.scene is not before.scene:
+            past = with_jumps(past, problem)
         swings, residual = state.swings, 0.0
         # Walls move in the first step of a frame, and push what they move: its end is what the lift has come to.
         moved = frame.mesh.geometry != before.geometry
         for k in range(0 if before.bound is None else self.settings.steps):
+            past = self._fitting(past, equations)
             step = past.step(problem.space.X, self.settings)
             outcome, x, scale = self._step(equations, step, x, past)
-            past = past.after(step, problem, x)
+            past = self._after(past, step, problem, x)
             if not moved or k == self.settings.steps - 1:
                 swings = swings.after(step.time, x)
             residual = max(residual, outcome.norm / (scale or 1.0))
@@ -187,6 +192,20 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             interrupted=False,
         )
         return LinearReport(total.iterations, total.refreshed, self.state.age, self.solver.name, total.newton)
+
+    def _fitting(self, past: Past, equations: ResidualEquations) -> Past:
+        """The past whose older velocity fits the newer one."""
+        if not past.sudden or self.settings.scheme == "backward_euler":
+            return past
+        newton, dt = self.state.system.newton, self.settings.time_step
+        problem = cast(IncompressibleFlow, equations.problem)
+        return after_impulse(past, VelocityCorrection(problem, equations, newton, dt, self.solver.aim))
+
+    @staticmethod
+    def _after(past: Past, step: TimeStep, problem: IncompressibleFlow, x: np.ndarray) -> Past:
+        """The past after a step to unknowns x (n, f), which was an impulse where the flow began suddenly."""
+        begins, last, past = past.before is None, past.last, past.after(step, problem, x)
+        return replace(past, sudden=begins and is_sudden(last, past.last, problem))
 
     def _step(
         self, equations: ResidualEquations, step: TimeStep, x: np.ndarray, past: Past

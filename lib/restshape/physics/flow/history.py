@@ -56,12 +56,14 @@ class Past:
         last: the fields then.
         before: at the end of the step before, on the same nodes; None: there was none.
         dt: between the two [s].
+        sudden: the step between them was an impulse, so that the field before does not fit the one after.
     """
 
     time: float
     last: Level
     before: Level | None = None
     dt: float = 0.0
+    sudden: bool = False
 
     @property
     def levels(self) -> list[Level]:
