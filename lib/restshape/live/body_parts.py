@@ -8,13 +8,14 @@ import numpy as np
 
 from restshape.application import application_of
 from restshape.errors import UserError
+from restshape.live.carried_points import CarriedPoints
 from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.live.grab_parts import Thing
 from restshape.scene.bodies import bodies_of, pins_of
 from restshape.scene.edit_script import SUPPORTS
 
 if TYPE_CHECKING:
-    from restshape.arrays import Reals
+    from restshape.arrays import Indices, Reals
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
 
@@ -27,11 +28,15 @@ DOTS = 40
 
 
 class BodyParts:
-    """The bodies of a scene as surfaces; of one that has not changed the part is the same object."""
+    """The bodies of a scene as surfaces; of one that has not changed the part is the same object.
+
+    One that has moved as it is keeps its arrays, with the vector by which it has.
+    """
 
     def __init__(self) -> None:
         self._scene: Scene | None = None
         self._parts: dict[str, tuple[object, PicturePart]] = {}
+        self._carried: dict[str, CarriedPoints] = {}
 
     def __call__(self, scene: Scene, places: Reals) -> list[PicturePart]:
         """The parts of a frame.
@@ -46,20 +51,31 @@ class BodyParts:
                 # A body whose numbers are formulas follows the parameters.
                 state = (body, scene.parameters)
                 known = before.get(name)
-                same = known is not None and known[0] == state
-                self._parts[name] = known if known is not None and same else (state, _surface(scene, name, places))
+                if known is None or known[0] != state:
+                    known = state, self._surface(scene, name, places, known[1] if known else None)
+                self._parts[name] = known
             self._scene = scene
         return [part for _, part in self._parts.values()]
 
+    def _surface(self, scene: Scene, name: str, places: Reals, known: PicturePart | None) -> PicturePart:
+        """The part of a body, with the arrays of what is known of it that still hold."""
+        points, triangles = _surface(scene, name, places)
+        cells = sent_indices(np.asarray(triangles), len(points))
+        if known is None or not np.array_equal(known.arrays["cells"], cells):
+            self._carried[name] = CarriedPoints()
+        else:
+            cells = known.arrays["cells"]
+        sent, shift = self._carried[name](np.asarray(points))
+        said = {"shift": shift} if shift else {}
+        return PicturePart(f"{BODY}{name}", "surface", "body", {"points": sent, "cells": cells}, said)
 
-def _surface(scene: Scene, name: str, places: Reals) -> PicturePart:
-    """The part of a body; one whose surface nobody knows has no triangles."""
+
+def _surface(scene: Scene, name: str, places: Reals) -> tuple[Reals, Indices]:
+    """The points (n, 3) [m] and triangles of a body; one whose surface nobody knows has none."""
     low, high = places.min(axis=0), places.max(axis=0)
     found = (one.surface_of(scene, name, low, high) for one in application_of(scene).physics)
     surface = next((one for one in found if one is not None), None)
-    points, triangles = surface if surface is not None else (np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
-    arrays = {"points": sent_points(points), "cells": sent_indices(np.asarray(triangles), len(points))}
-    return PicturePart(f"{BODY}{name}", "surface", "body", arrays)
+    return surface if surface is not None else (np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
 
 
 def pin_part(scene: Scene, space: Space, places: Reals) -> PicturePart | None:

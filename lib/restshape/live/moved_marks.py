@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from restshape.live.carried_points import shifted
 from restshape.live.shown_marks import Arrows, Lines, Mark, Tone, Words
 
 if TYPE_CHECKING:
@@ -31,6 +32,7 @@ class MovedMarks:
 
     def __init__(self) -> None:
         self._on: tuple[AnyArray | None, AnyArray | None] = (None, None)
+        self._shift: object = None
         self._known: list[tuple[Mark, Mark]] = []
         self._around: dict[int, int] = {}
 
@@ -44,13 +46,14 @@ class MovedMarks:
         if shape is None:
             return marks
         now = shape.arrays["points"], shape.arrays["displacement"]
-        stays = now[0] is self._on[0] and now[1] is self._on[1]
+        shift = shape.said.get("shift")
+        stays = now[0] is self._on[0] and now[1] is self._on[1] and shift == self._shift
         before, known = self._known, list[tuple[Mark, Mark]]()
-        drawn = _DrawnShape(*now, shape.arrays["cells"], self._around)
+        drawn = _DrawnShape(now[0], shifted(now[1], shift), shape.arrays["cells"], self._around)
         for place, mark in enumerate(marks):
             last = before[place][1] if place < len(before) and before[place][0] is mark else None
             known.append((mark, last if stays and last is not None else _with_moves(mark, drawn, last)))
-        self._on, self._known = now, known
+        self._on, self._shift, self._known = now, shift, known
         return [drawn for _, drawn in known]
 
 

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.arrays import AnyArray, Indices, Reals
+from restshape.live.carried_points import CarriedPoints
 from restshape.live.frame_arrays import PicturePart, sent_points
 from restshape.live.surface_cells import ShownTriangles, triangles_of
 
@@ -53,6 +54,7 @@ class ShapeSurface:
         self._version: tuple[object, int] = (None, -1)
         self._triangles = ShownTriangles.none()
         self._known: dict[str, AnyArray] = {}
+        self._carried = CarriedPoints()
         self._geometry: object = None
         self._moved = True
 
@@ -83,20 +85,21 @@ class ShapeSurface:
         """The same of a mesh whose nodes are at other places X (n, d) [m]."""
         version = (space, space.topology)
         if self._version[0] is not space or self._version[1] != space.topology:
-            self._version, self._known = version, {}
+            self._version, self._known, self._carried = version, {}, CarriedPoints()
             self._triangles = triangles_of(X, space.cells)
         geometry = getattr(space, "geometry", None)
         # In a frame that moves nodes nothing is as it was.
         self._moved = geometry is not None and geometry != self._geometry
         self._geometry = geometry
         shown = self._triangles
-        arrays = {"points": self._placed("points", X), "cells": shown.corners, "border": shown.border}
+        arrays = {"points": self._kept("points", sent_points(shown.chosen(X))), "cells": shown.corners, "border": shown.border}
         moved = at_nodes.get("displacement")
         said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
         if moved is None and (mode := _mode(at_nodes, colours)) in at_nodes:
             moved, said = at_nodes[mode], said | {"mode": int(mode.removeprefix(MODE))}
         if moved is not None:
-            arrays["displacement"] = self._placed("displacement", moved)
+            arrays["displacement"], shift = self._displaced(moved)
+            said |= {"shift": shift} if shift else {}
         if colours is not None:
             given = (in_cells if colours.in_cells else at_nodes)[colours.source]
             key = "valueInCells" if colours.in_cells else "value"
@@ -104,13 +107,16 @@ class ShapeSurface:
             said |= {"field": colours.name, "range": known}
         return PicturePart("shape", "surface", "shape", arrays, said)
 
-    def _placed(self, key: str, values: Reals) -> AnyArray:
-        """Places, or displacements, in space; those of before where they are the same."""
-        found = sent_points(self._triangles.chosen(values))
+    def _displaced(self, values: Reals) -> tuple[AnyArray, list[float] | None]:
+        """Displacements, those of before where all have gone on by one vector [m], which is then the second."""
+        chosen = self._triangles.chosen(values)
+        found = sent_points(chosen)
         # The sum of numbers is none where one of them is none.
-        if key == "displacement" and not isfinite(np.add.reduce(found, axis=None)):
+        if not isfinite(np.add.reduce(found, axis=None)):
             found = np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
-        return self._kept(key, found)
+        if self._moved:
+            self._carried = CarriedPoints()
+        return self._carried(chosen, found)
 
     def _kept(self, key: str, found: AnyArray) -> AnyArray:
         """An array, or that of before where it is the same."""

@@ -66,6 +66,7 @@ export interface Part {
   name: string; kind: "surface" | "lines" | "dots"; role: "shape" | "outline" | "body" | "plank" | "support" | "load" | "goal";
   field?: string; range?: [number, number];                                // of the field in this frame
   element?: 2 | 4;                                                         // triangles of an element: all first ones, all second ones, ...
+  shift?: [number, number, number];                                        // to be added to each displacement; without those, to each point
   mode?: number;                                                           // whose shape, of any size, is drawn as the displacement
   names?: string[];                                                        // of each line or dot
   arrays: Record<string, ArrayPlace>; gone?: boolean;

@@ -4,6 +4,7 @@ import type { Object3D } from "three";
 
 import type { Part } from "../protocol";
 import { Bounds } from "./bounds";
+import { carried, nothingCarried, type Arrived, type Carried } from "./carried";
 import { Dots } from "./dots";
 import { follow } from "./follow";
 import { Segments } from "./segments";
@@ -25,6 +26,7 @@ export interface Shown {
   shifts: Float32Array;
   starts: Uint32Array;
   names: readonly string[];
+  readonly carried: Carried;
 }
 
 export class Parts {
@@ -80,13 +82,14 @@ export class Parts {
     return bounds;
   }
 
-  private change(part: Part, read: Read): void {
-    let shown = this.all.get(part.name);
-    if (shown && shown.part.kind !== part.kind) {
-      this.take(part.name);
+  private change(given: Part, from: Read): void {
+    let shown = this.all.get(given.name);
+    if (shown && shown.part.kind !== given.kind) {
+      this.take(given.name);
       shown = undefined;
     }
-    if (!shown) this.all.set(part.name, (shown = this.make(part)));
+    if (!shown) this.all.set(given.name, (shown = this.make(given)));
+    const arrived = carried(given, from, shown.carried), { part, read } = arrived;
     const { points, displacement, starts } = part.arrays;
     const before = shown.points.length;
     if (points) shown.points = read(points) as Float32Array;
@@ -96,13 +99,13 @@ export class Parts {
     if (part.names) shown.names = part.names;
     if (part.names ?? starts ?? shown.points.length !== before) this.version += 1;
     shown.part = part;
-    this.draw(shown, part, read);
+    this.draw(shown, arrived);
   }
 
-  private draw(shown: Shown, part: Part, read: Read): void {
+  private draw(shown: Shown, { part, read, along }: Arrived): void {
     const { surface, border, lines, dots, points, shifts } = shown;
     if (surface) {
-      surface.update(part, read);
+      surface.update(part, read, along);
       const edges = part.arrays["border"];
       if (edges) shown.starts = read(edges) as Uint32Array; // of a surface: pairs of points
       if (border && (edges ?? part.arrays["points"] ?? part.arrays["displacement"])) border.setPairs(points, shifts, shown.starts);
@@ -112,7 +115,7 @@ export class Parts {
   }
 
   private make(part: Part): Shown {
-    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [] };
+    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [], carried: nothingCarried() };
     const lit = this.dim === 3;
     if (part.kind === "surface") {
       const shape = part.role === "shape";

@@ -29,6 +29,7 @@ export class Surface {
   element = 1;                                       // triangles that show an element
   readonly coloured: IUniform<number> = { value: 0 };
   readonly glow: IUniform<number> = { value: 0 };
+  private bent = true;                               // since its normals were found
   private readonly stale = { places: false, shifts: false, values: false, normals: false }; // on the graphics card
 
   /** lit: with light and shade, as in space. smooth: nodes have normals. colour: of what has no values. */
@@ -63,13 +64,14 @@ export class Surface {
     material.needsUpdate = true;
   }
 
-  /** Takes the arrays of a part that have changed. */
-  update(part: Part, read: Read): void {
+  /** Takes the arrays of a part that have changed. along: all of it has moved as it lies, if at all. */
+  update(part: Part, read: Read, along = false): void {
     const { points, displacement, cells, value, valueInCells } = part.arrays;
     if (points) this.points = read(points) as Float32Array;
     if (cells) this.cells = read(cells) as Uint32Array<ArrayBuffer>;
     if (cells) this.setElement(part.element ?? 1);
-    if (points ?? cells) this.tall.value = heightOf(this.points, this.cells) * (this.element > 2 ? 2 : 1);
+    if ((points ?? cells ?? displacement) && !along) this.turnNormals();
+    if ((points ?? cells) && !along) this.tall.value = heightOf(this.points, this.cells) * (this.element > 2 ? 2 : 1);
     if (displacement) this.shifts = read(displacement) as Float32Array;
     else if (points && this.shifts.length !== this.points.length) this.shifts = NONE;
     if (value ?? valueInCells) {
@@ -84,13 +86,13 @@ export class Surface {
   }
 
   /** Normals for the scale at which displacements are drawn. */
-  turnNormals(): void { this.stale.normals = true; }
+  turnNormals(): void { this.stale.normals = this.bent = true; }
 
   /** Fills what the graphics card draws. */
   ready(): void {
     const { stale } = this;
     if (stale.places || stale.shifts || stale.values) this.fill(stale.places, stale.shifts, stale.values);
-    if (stale.normals || stale.shifts) this.fillNormals();
+    if (stale.normals) this.fillNormals();
     stale.places = stale.shifts = stale.values = stale.normals = false;
   }
 
@@ -98,7 +100,8 @@ export class Surface {
   sums(): Float32Array | null {
     if (!this.smooth || !this.lit) return null;
     if (this.normals.length !== this.points.length) this.normals = new Float32Array(this.points.length);
-    addNormals(this.normals, this.points, this.shifts, this.shared.scale.value, this.cells);
+    if (this.bent) addNormals(this.normals, this.points, this.shifts, this.shared.scale.value, this.cells);
+    this.bent = false;
     return this.normals;
   }
 
