@@ -92,7 +92,11 @@ class ShapeSurface:
         self._moved = geometry is not None and geometry != self._geometry
         self._geometry = geometry
         shown = self._triangles
-        arrays = {"points": self._kept("points", sent_points(shown.chosen(X))), "cells": shown.corners, "border": shown.border}
+        arrays = {
+            "points": self._kept("points", sent_points(shown.chosen(X))),
+            "cells": shown.corners,
+            "border": shown.border,
+        }
         moved = at_nodes.get("displacement")
         said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
         if moved is None and (mode := _mode(at_nodes, colours)) in at_nodes:
