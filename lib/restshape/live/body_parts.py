@@ -8,14 +8,14 @@ import numpy as np
 
 from restshape.application import application_of
 from restshape.errors import UserError
-from restshape.live.carried_points import CarriedPoints
 from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.live.grab_parts import Thing
+from restshape.live.shifted_points import ShiftedPoints
 from restshape.scene.bodies import bodies_of, pins_of
 from restshape.scene.edit_script import SUPPORTS
 
 if TYPE_CHECKING:
-    from restshape.arrays import Indices, Reals
+    from restshape.arrays import Integers, Reals
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
 
@@ -36,7 +36,7 @@ class BodyParts:
     def __init__(self) -> None:
         self._scene: Scene | None = None
         self._parts: dict[str, tuple[object, PicturePart]] = {}
-        self._carried: dict[str, CarriedPoints] = {}
+        self._shifted: dict[str, ShiftedPoints] = {}
 
     def __call__(self, scene: Scene, places: Reals) -> list[PicturePart]:
         """The parts of a frame.
@@ -62,15 +62,15 @@ class BodyParts:
         points, triangles = _surface(scene, name, places)
         cells = sent_indices(np.asarray(triangles), len(points))
         if known is None or not np.array_equal(known.arrays["cells"], cells):
-            self._carried[name] = CarriedPoints()
+            self._shifted[name] = ShiftedPoints()
         else:
             cells = known.arrays["cells"]
-        sent, shift = self._carried[name](np.asarray(points))
+        sent, shift = self._shifted[name](np.asarray(points))
         said = {"shift": shift} if shift else {}
         return PicturePart(f"{BODY}{name}", "surface", "body", {"points": sent, "cells": cells}, said)
 
 
-def _surface(scene: Scene, name: str, places: Reals) -> tuple[Reals, Indices]:
+def _surface(scene: Scene, name: str, places: Reals) -> tuple[Reals, Integers]:
     """The points (n, 3) [m] and triangles of a body; one whose surface nobody knows has none."""
     low, high = places.min(axis=0), places.max(axis=0)
     found = (one.surface_of(scene, name, low, high) for one in application_of(scene).physics)

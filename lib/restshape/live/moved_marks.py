@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from restshape.live.carried_points import shifted
+from restshape.live.shifted_points import shifted
 from restshape.live.shown_marks import Arrows, Lines, Mark, Tone, Words
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import Protocol
 import numpy as np
 
 from restshape.arrays import AnyArray, Indices, Reals
-from restshape.live.carried_points import CarriedPoints
 from restshape.live.frame_arrays import PicturePart, sent_points
+from restshape.live.shifted_points import ShiftedPoints
 from restshape.live.surface_cells import ShownTriangles, triangles_of
 
 MODE = "mode_"
@@ -54,7 +54,7 @@ class ShapeSurface:
         self._version: tuple[object, int] = (None, -1)
         self._triangles = ShownTriangles.none()
         self._known: dict[str, AnyArray] = {}
-        self._carried = CarriedPoints()
+        self._shifted = ShiftedPoints()
         self._geometry: object = None
         self._moved = True
 
@@ -85,7 +85,7 @@ class ShapeSurface:
         """The same of a mesh whose nodes are at other places X (n, d) [m]."""
         version = (space, space.topology)
         if self._version[0] is not space or self._version[1] != space.topology:
-            self._version, self._known, self._carried = version, {}, CarriedPoints()
+            self._version, self._known, self._shifted = version, {}, ShiftedPoints()
             self._triangles = triangles_of(X, space.cells)
         geometry = getattr(space, "geometry", None)
         # In a frame that moves nodes nothing is as it was.
@@ -119,8 +119,8 @@ class ShapeSurface:
         if not isfinite(np.add.reduce(found, axis=None)):
             found = np.nan_to_num(found, nan=0.0, posinf=0.0, neginf=0.0)
         if self._moved:
-            self._carried = CarriedPoints()
-        return self._carried(chosen, found)
+            self._shifted = ShiftedPoints()
+        return self._shifted(chosen, found)
 
     def _kept(self, key: str, found: AnyArray) -> AnyArray:
         """An array, or that of before where it is the same."""

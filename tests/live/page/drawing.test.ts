@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { Bounds } from "../../../lib/restshape/live/page/src/draw/bounds";
-import { carried, nothingCarried } from "../../../lib/restshape/live/page/src/draw/carried";
+import { arrivedPart, nothingSent } from "../../../lib/restshape/live/page/src/draw/shifted";
 import { chosenMap, colourTable, ends } from "../../../lib/restshape/live/page/src/draw/colour_maps";
 import { follow } from "../../../lib/restshape/live/page/src/draw/follow";
 import { arrowLines } from "../../../lib/restshape/live/page/src/draw/marks";
@@ -156,19 +156,19 @@ test("a part that has moved as it lies is read where it has gone", () => {
   const read = ({ at }: ArrayPlace): Float32Array => sent[at]!;
   const part = (arrays: Part["arrays"], shift?: [number, number, number]): Part =>
     ({ name: "shape", kind: "surface", role: "shape", arrays, ...(shift && { shift }) });
-  const kept = nothingCarried();
+  const kept = nothingSent();
   const at = (given: Part, key: string): Float32Array | null => {
-    const found = carried(given, read, kept), where = found.part.arrays[key];
+    const found = arrivedPart(given, read, kept), where = found.part.arrays[key];
     return where ? found.read(where) as Float32Array : null;
   };
   assert.equal(at(part({ points: place(0) }), "points"), sent[0]);
   close(at(part({}, [1, 0, -1]), "points")!, [1, 0, -1, 2, 2, 2]);
   close(at(part({}, [2, 0, 0]), "points")!, [2, 0, 0, 3, 2, 3]); // from where they came, not from where they were
   assert.equal(at(part({}, [2, 0, 0]), "points"), null); // as before
-  assert.equal(carried(part({}, [3, 0, 0]), read, kept).along, true);
+  assert.equal(arrivedPart(part({}, [3, 0, 0]), read, kept).along, true);
   assert.equal(at(part({}), "points"), sent[0]);
   close(at(part({ displacement: place(1) }, [0, 1, 0]), "displacement")!, [5, 6, 5, 6, 7, 6]);
   assert.equal(at(part({}, [0, 2, 0]), "points"), null);
-  assert.equal(carried(part({ displacement: place(2) }), read, kept).along, false);
+  assert.equal(arrivedPart(part({ displacement: place(2) }), read, kept).along, false);
   assert.deepEqual([...sent[0]!], [0, 0, 0, 1, 2, 3]);
 });

@@ -4,7 +4,7 @@ import type { Object3D } from "three";
 
 import type { Part } from "../protocol";
 import { Bounds } from "./bounds";
-import { carried, nothingCarried, type Arrived, type Carried } from "./carried";
+import { arrivedPart, nothingSent, type Arrived, type Sent } from "./shifted";
 import { Dots } from "./dots";
 import { follow } from "./follow";
 import { Segments } from "./segments";
@@ -26,7 +26,7 @@ export interface Shown {
   shifts: Float32Array;
   starts: Uint32Array;
   names: readonly string[];
-  readonly carried: Carried;
+  readonly kept: Sent;
 }
 
 export class Parts {
@@ -89,7 +89,7 @@ export class Parts {
       shown = undefined;
     }
     if (!shown) this.all.set(given.name, (shown = this.make(given)));
-    const arrived = carried(given, from, shown.carried), { part, read } = arrived;
+    const arrived = arrivedPart(given, from, shown.kept), { part, read } = arrived;
     const { points, displacement, starts } = part.arrays;
     const before = shown.points.length;
     if (points) shown.points = read(points) as Float32Array;
@@ -115,7 +115,7 @@ export class Parts {
   }
 
   private make(part: Part): Shown {
-    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [], carried: nothingCarried() };
+    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [], kept: nothingSent() };
     const lit = this.dim === 3;
     if (part.kind === "surface") {
       const shape = part.role === "shape";

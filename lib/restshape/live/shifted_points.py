@@ -13,7 +13,7 @@ SAME = 1e-12
 """Largest part of a move that is not that of all, over the largest coordinate: far below the rounding of 32 bits."""
 
 
-class CarriedPoints:
+class ShiftedPoints:
     """The last points that were sent as such, and how far those of a frame have gone from there."""
 
     def __init__(self) -> None:
@@ -27,8 +27,8 @@ class CarriedPoints:
             points: (n, d) [m]; sent: the same as they travel; None: made here.
 
         Returns:
-            An array, the same object as before where the points have moved as they lie, and the vector [m] in space that
-            is to be added to each of its points; None: nothing is.
+            An array, the same object as before where the points have moved as they lie, and the vector [m] in space
+            that is to be added to each of its points; None: nothing is.
         """
         found = sent_points(points) if sent is None else sent
         before = self._from
@@ -44,7 +44,10 @@ class CarriedPoints:
 
 def shifted(points: AnyArray, shift: object) -> AnyArray:
     """Points (n, d) as they travel, moved by the vector of three numbers that travels with them, if any does."""
-    return points + np.asarray(shift, dtype=points.dtype)[: points.shape[1]] if shift else points
+    if not shift:
+        return points
+    found: AnyArray = np.add(points, np.asarray(shift, dtype=points.dtype)[: points.shape[1]])
+    return found
 
 
 def _way(before: Reals, now: Reals) -> Reals | None:

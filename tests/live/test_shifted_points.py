@@ -4,51 +4,51 @@ import json
 
 import numpy as np
 
-from restshape.live.carried_points import CarriedPoints, shifted
 from restshape.live.frame_arrays import PicturePart
 from restshape.live.frame_message import FrameEncoder
 from restshape.live.server_frames import KeptFrames
+from restshape.live.shifted_points import ShiftedPoints, shifted
 
 DRAPE = np.random.default_rng(3).normal(size=(40, 3))
 STEP = np.array([0.01, -0.002, 0.3])
 
 
 def test_points_that_move_as_they_lie_are_the_array_of_before_and_a_vector():
-    carried = CarriedPoints()
-    first, none = carried(DRAPE)
+    points = ShiftedPoints()
+    first, none = points(DRAPE)
     assert none is None
     for count in (1, 2, 500):
-        array, shift = carried(DRAPE + count * STEP)
+        array, shift = points(DRAPE + count * STEP)
         assert array is first and np.allclose(shift, count * STEP, rtol=1e-12)
         wanted = (DRAPE + count * STEP).astype("f4")
         assert np.abs(shifted(array, shift) - wanted).max() <= 2 * np.spacing(np.abs(wanted).max())
-    assert carried(DRAPE) == (first, None)
+    assert points(DRAPE) == (first, None)
 
 
 def test_points_of_which_one_moves_by_itself_and_those_that_are_no_numbers_travel_whole():
     for inside, value in ((1, 1e-9), (-1, 1e-9), (7, np.nan)):
-        carried, other = CarriedPoints(), DRAPE + STEP
-        first, _ = carried(DRAPE)
+        points, other = ShiftedPoints(), DRAPE + STEP
+        first, _ = points(DRAPE)
         other[inside, 1] += value
-        array, shift = carried(other)
+        array, shift = points(other)
         assert array is not first and shift is None
         assert np.array_equal(array, other.astype("f4"), equal_nan=True)
 
 
 def test_points_in_the_plane_have_a_vector_in_space():
-    carried = CarriedPoints()
-    array, _ = carried(DRAPE[:, :2])
-    again, shift = carried(DRAPE[:, :2] + STEP[:2])
+    points = ShiftedPoints()
+    array, _ = points(DRAPE[:, :2])
+    again, shift = points(DRAPE[:, :2] + STEP[:2])
     assert again is array and len(shift) == 3 and shift[2] == 0.0
     assert np.allclose(shifted(again, shift), DRAPE[:, :2] + STEP[:2], atol=1e-6)
 
 
 def test_a_page_that_comes_in_mid_drag_gets_the_array_and_the_last_vector():
-    encode, kept, carried = FrameEncoder(), KeptFrames(), CarriedPoints()
+    encode, kept, points = FrameEncoder(), KeptFrames(), ShiftedPoints()
     drape = DRAPE
     for number, move in enumerate((0, 1, 2, None, 3)):  # None: it deforms
         drape = 1.1 * drape if move is None else drape
-        array, shift = carried(drape + (move or 0) * STEP)
+        array, shift = points(drape + (move or 0) * STEP)
         part = PicturePart("shape", "surface", "shape", {"displacement": array}, {"shift": shift} if shift else {})
         message = b"".join(bytes(piece) for piece in encode({"type": "frame", "number": number}, [part]))
         kept.add(message)

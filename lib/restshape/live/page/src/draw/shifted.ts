@@ -6,17 +6,17 @@ import type { Read } from "./surface";
 type Vector = readonly [number, number, number];
 
 /** What is kept of a part: the arrays as they came last, and what has been added to one of them. */
-export interface Carried { points: Float32Array; displacement: Float32Array; shift: Vector | null; }
+export interface Sent { points: Float32Array; displacement: Float32Array; shift: Vector | null; }
 
 /** along: nothing has changed but where it is. */
 export interface Arrived { part: Part; read: Read; along: boolean; }
 
-export function nothingCarried(): Carried {
+export function nothingSent(): Sent {
   return { points: new Float32Array(0), displacement: new Float32Array(0), shift: null };
 }
 
 /** A part as if its displacements, or points where it has none, had come with its shift in them; of each array there is one copy. */
-export function carried(part: Part, read: Read, kept: Carried): Arrived {
+export function arrivedPart(part: Part, read: Read, kept: Sent): Arrived {
   const found = new Map<ArrayPlace, Float32Array>(), { points, displacement, cells } = part.arrays, shift = part.shift ?? null;
   if (points) found.set(points, (kept.points = read(points) as Float32Array));
   if (displacement) found.set(displacement, (kept.displacement = read(displacement) as Float32Array));
