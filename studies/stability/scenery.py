@@ -8,6 +8,7 @@ from typing import Any
 
 from restshape.application import application_of
 from restshape.calibration import Calibration
+from restshape.interface.frame_loop import frame_loop
 from restshape.interface.run import Run
 from restshape.policy import Policy, policy
 from restshape.replay.loop import Replay
@@ -137,17 +138,40 @@ def make_run(
     **changed: Any,
 ) -> Run:
     """A run in this process; `changed` replaces fields of the policy."""
+    request = _request(scene, script, name, overrides, calibration, predict, measured, **changed)
+    return Run(request, recorder, summed=False)
+
+
+def make_replay(
+    scene: Path,
+    script: Path | None = None,
+    name: str = "auto",
+    overrides: Sequence[str] = (),
+    calibration: Calibration | None = None,
+    recorder: Any = None,
+    predict: str = "none",
+    measured: Measured = "all",
+    **changed: Any,
+) -> Replay:
+    """The frame loop of such a run alone, for who tests it by itself."""
+    return frame_loop(_request(scene, script, name, overrides, calibration, predict, measured, **changed), recorder)
+
+
+def _request(
+    scene: Path,
+    script: Path | None,
+    name: str,
+    overrides: Sequence[str],
+    calibration: Calibration | None,
+    predict: str,
+    measured: Measured,
+    **changed: Any,
+) -> Request:
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
     known = calibration or Calibration.load()
-    request = Request(read, edits, application_of(read), chosen, known, predict=predict, measured=measured)
-    return Run(request, recorder, summed=False)
-
-
-def make_replay(*args: Any, **named: Any) -> Replay:
-    """The frame loop of such a run, for who tests it by itself."""
-    return make_run(*args, **named).replay
+    return Request(read, edits, application_of(read), chosen, known, predict=predict, measured=measured)
 
 
 def rows_of(run: Run | Replay, look: Callable[[dict[str, Any]], None] = lambda row: None) -> list[dict[str, Any]]:

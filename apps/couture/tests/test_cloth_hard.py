@@ -231,6 +231,6 @@ def test_nodes_go_no_farther_than_bodies_are_small(tmp_path):
     """A ball that shrinks to a tenth lets nodes go a tenth as far in one step."""
     events = [{"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.01}]
     made = Trial(tmp_path).replay(square(0.06, ball(0.15, 0.15), floor(-0.3), CONTACT), events)
-    reach = [made.analysis.state.solver.descent.reach for _ in made.frames()]
+    reach = [made.replay.analysis.state.solver.descent.reach for _ in made.rows()]
     assert reach == pytest.approx([0.05, 0.005])
-    assert made.analysis.state.solver.moving.steps.reach == pytest.approx(0.005)
+    assert made.replay.analysis.state.solver.moving.steps.reach == pytest.approx(0.005)

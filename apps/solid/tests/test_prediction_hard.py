@@ -13,8 +13,9 @@ FOLLOWING = PULLED.replace('traction = ["100 MPa", 0]', 'pressure = "-100 MPa"')
 
 @pytest.mark.parametrize("text", [plate(), plate() + LARGE, plate().replace(PULLED, FOLLOWING) + LARGE])
 def test_with_an_old_factor_after_a_long_drag(tmp_path, text):
-    # CG or GMRES on a factor that is never rebuilt, against a factor of the very matrix. Of large deformation the
-    # factors by which every tenth frame shows that it is stable are kept.
+    # CG or GMRES on a preconditioner that is never rebuilt, against a factor of the very matrix. Where a factor costs
+    # that much, multigrid takes its place in large deformation; with following loads, whose matrix is not symmetric,
+    # the factors by which every tenth frame shows that it is stable are kept.
     script = write_script(tmp_path, drag("window", (0.5, 0.5), across((0.5, 0.5), (0.62, 0.5), 39))[:2])
     found = []
     for name, calibration in (("auto", unrefreshed()), ("refactor", None)):
@@ -26,5 +27,6 @@ def test_with_an_old_factor_after_a_long_drag(tmp_path, text):
         found.append((rows, design_derivative(made.analysis, made.moving.field_motion, 1e-10)))
     (rows, stale), (_, fresh) = found
     refreshed = [row["index"] for row in rows if row["pc_rebuilt"]]
-    assert (rows[-1]["pc_age"], len(refreshed)) == ((9, 4) if LARGE in text else (40, 1))
+    expected = (40, 1) if LARGE not in text else (9, 4) if FOLLOWING in text else (38, 2)
+    assert (rows[-1]["pc_age"], len(refreshed)) == expected
     np.testing.assert_allclose(stale, fresh, atol=1e-6 * np.abs(fresh).max())

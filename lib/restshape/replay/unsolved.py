@@ -6,6 +6,8 @@ from restshape.analysis.row_values import RowValues, number, text
 
 FAR = 1e3
 """Times the tolerance beyond which a residual is said: solvers end by their own, which is near the true one."""
+SMALL = 1e-6
+"""A residual below which nothing is said, however small the tolerance is."""
 
 
 def note_unsolved(row: RowValues, tolerance: float) -> None:
@@ -17,7 +19,7 @@ def note_unsolved(row: RowValues, tolerance: float) -> None:
         tolerance: relative, of a solve.
     """
     residual = number(row, "residual")
-    if row["predicted"] or "converged" in row or not residual > FAR * tolerance:
+    if row["predicted"] or "converged" in row or not residual > max(FAR * tolerance, SMALL):
         return
     what = (
         f"not to be trusted: the residual is {residual:.1e}, its tolerance {tolerance:g}; materials or sizes are too "
