@@ -126,47 +126,27 @@ def set_value(key: str, *values: object) -> list[dict[str, Any]]:
     return [{"do": "set", "key": key, "value": value} for value in values]
 
 
-def make_run(
-    scene: Path,
-    script: Path | None = None,
-    name: str = "auto",
-    overrides: Sequence[str] = (),
-    calibration: Calibration | None = None,
-    recorder: Any = None,
-    predict: str = "none",
-    measured: Measured = "all",
-    **changed: Any,
-) -> Run:
-    """A run in this process; `changed` replaces fields of the policy."""
-    request = _request(scene, script, name, overrides, calibration, predict, measured, **changed)
-    return Run(request, recorder, summed=False)
+def make_run(*args: Any, recorder: Any = None, **named: Any) -> Run:
+    """A run in this process, of what `requested` takes."""
+    return Run(requested(*args, **named), recorder, summed=False)
 
 
-def make_replay(
-    scene: Path,
-    script: Path | None = None,
-    name: str = "auto",
-    overrides: Sequence[str] = (),
-    calibration: Calibration | None = None,
-    recorder: Any = None,
-    predict: str = "none",
-    measured: Measured = "all",
-    **changed: Any,
-) -> Replay:
+def make_replay(*args: Any, recorder: Any = None, **named: Any) -> Replay:
     """The frame loop of such a run alone, for who tests it by itself."""
-    return frame_loop(_request(scene, script, name, overrides, calibration, predict, measured, **changed), recorder)
+    return frame_loop(requested(*args, **named), recorder)
 
 
-def _request(
+def requested(
     scene: Path,
-    script: Path | None,
-    name: str,
-    overrides: Sequence[str],
-    calibration: Calibration | None,
-    predict: str,
-    measured: Measured,
+    script: Path | None = None,
+    name: str = "auto",
+    overrides: Sequence[str] = (),
+    calibration: Calibration | None = None,
+    predict: str = "none",
+    measured: Measured = "all",
     **changed: Any,
 ) -> Request:
+    """What is replayed: a scene with a script, or none, under a policy; `changed` replaces fields of the policy."""
     read = load_scene(scene, overrides)
     edits = load_script(script, read) if script else Script.empty(read)
     chosen: Policy = replace(policy(name), **changed)
