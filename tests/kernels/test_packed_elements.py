@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from petsc4py import PETSc
-from sample_meshes import unit_box
+from sample_meshes import second_order, unit_box
 
 from restshape import _kernels as k
 
-SOLIDS = ("linear_elastic_tri3", "stvk_tri3", "linear_elastic_tet4")
+SOLIDS = ("linear_elastic_tri3", "stvk_tri3", "linear_elastic_tet4", "linear_elastic_tri6")
 FLOWS = (
     "slow_flow_tri3",
     "flow_tri3",
@@ -18,12 +18,16 @@ FLOWS = (
     "unsteady_heated_slow_flow_on_moving_mesh_tri3",
     "unsteady_lifted_flow_tri3",
 )
-ELEMENTS = (*SOLIDS, "mass_tri3", "mass_tet4", *FLOWS)
+ELEMENTS = (*SOLIDS, "mass_tri3", "mass_tet4", "mass_tri6", "heat_capacity_tri6", *FLOWS)
+BEND = 0.02
+"""By which mid-sides of second order are moved off the middle: sides are curved."""
 
 
 def sample(element: str, count: int, seed: int = 0):
     """The element, nodes, unknowns, cells, a row of parameters for each cell, and coefficients of the nodes."""
-    X, cells, _ = unit_box(3, 2) if element.endswith("tet4") else unit_box(2, 5)
+    X, cells, inner = unit_box(3, 2) if element.endswith("tet4") else unit_box(2, 5)
+    if element.endswith("tri6"):
+        X, cells, _ = second_order(X, cells, inner, BEND)
     rng = np.random.default_rng(seed)
     e = k.Element(element)
     x = 0.2 * rng.normal(size=(len(X), e.fields))
@@ -91,11 +95,12 @@ def test_the_tangent_is_the_sum_of_the_cells_own(element, count, coefficient, ba
     np.testing.assert_allclose(right[free], residual(e, X, x, cells, params, w).ravel()[free], rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.parametrize("shape", ["tri3", "tri6"])
 @pytest.mark.parametrize("coefficients", [(1.0, 0.5), (2.0, -0.5), (1.0, 0.5, 0.1, 0.2, 0.3)])
-def test_a_sum_of_terms_is_that_of_each(coefficients):
+def test_a_sum_of_terms_is_that_of_each(coefficients, shape):
     """With states and factors of their own, on supports too, where each term adds its size to the diagonal."""
-    solid, X, x, cells, params, _ = sample("linear_elastic_tri3", 23)
-    mass, _, y, _, density, _ = sample("mass_tri3", 23, seed=1)
+    solid, X, x, cells, params, _ = sample(f"linear_elastic_{shape}", 23)
+    mass, _, y, _, density, _ = sample(f"mass_{shape}", 23, seed=1)
     parts = [(solid, x, params), *[(mass, y, density)] * (len(coefficients) - 1)]
     terms = [(*part, c, -0.7 * c) for part, c in zip(parts, coefficients)]
     mask = np.zeros(X.size, dtype=np.uint8)

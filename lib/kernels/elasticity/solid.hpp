@@ -37,19 +37,28 @@ struct SolidElement : SolidParts<Shape> {
         }
     }
 
-    // Of several elements, one a lane, where they have one point and few unknowns; in space Hooke's law alone.
-    static constexpr bool packed = Shape::points == 1 && (dim == 2 || Law::linear);
+    // Of several elements, one a lane, where they have few unknowns; of several points or in space Hooke's law alone.
+    static constexpr bool packed = dim == 2 ? Shape::points == 1 || Law::linear : Shape::points == 1 && Law::linear;
 
     [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
-        Pack G[nodes][dim], H[dim][dim], P[dim][dim];
-        const Pack volume = Parts::times_thickness(Shape::gradients(0, X, G), p);
-        Parts::displacement_gradient(G, x, H);
-        stress_of(H, p, P);
-        Parts::add_forces(0, G, volume, P, Parts::body(p), r);
+        for (int q = 0; q < Shape::points; ++q) {
+            Pack G[nodes][dim];
+            add_packed_forces(q, X, x, p, G, r);
+        }
     }
 
     [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
                                                 Pack* K) {
+        if constexpr (Shape::points > 1) {
+            typename Parts::GradientProducts products;
+            for (int q = 0; q < Shape::points; ++q) {
+                Pack G[nodes][dim];
+                const Pack volume = add_packed_forces(q, X, x, p, G, r);
+                products.add(q, G, volume);
+            }
+            Parts::set_hooke_tangent(products, p[0], p[1], K);
+            return;
+        }
         Pack G[nodes][dim], H[dim][dim];
         const Pack volume = Parts::times_thickness(Shape::gradients(0, X, G), p);
         Parts::displacement_gradient(G, x, H);
@@ -94,6 +103,16 @@ struct SolidElement : SolidParts<Shape> {
     }
 
  private:
+    // Forces of one point, and its gradients; returns the volume that it stands for.
+    static Pack add_packed_forces(int q, const Pack* X, const Pack* x, const Pack* p, Pack (&G)[nodes][dim], Pack* r) {
+        Pack H[dim][dim], P[dim][dim];
+        const Pack volume = Parts::times_thickness(Shape::gradients(q, X, G), p);
+        Parts::displacement_gradient(G, x, H);
+        stress_of(H, p, P);
+        Parts::add_forces(q, G, volume, P, Parts::body(p), r);
+        return volume;
+    }
+
     template <class R, class M>
     static void stress_of(const R (&H)[dim][dim], const M* p, R (&P)[dim][dim]) {
         R E[dim][dim], S[dim][dim];

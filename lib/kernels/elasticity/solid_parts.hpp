@@ -143,6 +143,36 @@ struct SolidParts {
             }
     }
 
+    // Sums over the points of volume dN_i/dX_k dN_j/dX_l of several elements in the plane: all that Hooke's law needs.
+    struct GradientProducts {
+        Pack xx[nodes][nodes], yy[nodes][nodes], xy[nodes][nodes];  // of xx and yy the upper halves
+
+        void add(int q, const Pack (&G)[nodes][dim], const Pack& volume) {
+            for (int i = 0; i < nodes; ++i) {
+                const Pack x = volume * G[i][0], y = volume * G[i][1];
+                for (int j = i; j < nodes; ++j) {
+                    xx[i][j] = q ? xx[i][j] + x * G[j][0] : x * G[j][0];
+                    yy[i][j] = q ? yy[i][j] + y * G[j][1] : y * G[j][1];
+                }
+                for (int j = 0; j < nodes; ++j) xy[i][j] = q ? xy[i][j] + x * G[j][1] : x * G[j][1];
+            }
+        }
+    };
+
+    // The tangent of Hooke's law of them: the sum of volume (lambda dN_i/dX_a dN_j/dX_c + mu (dN_i/dX_c dN_j/dX_a +
+    // [a = c] grad N_i . grad N_j)).
+    static void set_hooke_tangent(const GradientProducts& g, const Pack& lambda, const Pack& mu, Pack* K) {
+        const Pack stretch = lambda + 2.0 * mu;
+        for (int i = 0; i < nodes; ++i)
+            for (int j = i; j < nodes; ++j) {
+                Pack *upper = K + i * dim * unknowns + j * dim, *lower = K + j * dim * unknowns + i * dim;
+                upper[0] = lower[0] = stretch * g.xx[i][j] + mu * g.yy[i][j];
+                upper[unknowns + 1] = lower[unknowns + 1] = stretch * g.yy[i][j] + mu * g.xx[i][j];
+                upper[1] = lower[unknowns] = lambda * g.xy[i][j] + mu * g.xy[j][i];
+                upper[unknowns] = lower[1] = lambda * g.xy[j][i] + mu * g.xy[i][j];
+            }
+    }
+
     static void spread(const double (&G)[nodes][dim], Row (&gradient)[dim][dim]) {
         for (int c = 0; c < dim; ++c)
             for (int l = 0; l < dim; ++l) {

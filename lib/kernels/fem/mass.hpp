@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/pack.hpp"
+#include "fem/element.hpp"
 #include "fem/shapes.hpp"
 
 namespace restshape {
@@ -93,6 +93,62 @@ struct MassElement : Inertial<MassElement<Shape, Fields>> {
                     K[(i * fields + a) * stride + j * fields + a] = M[i][j];
                     r[i * fields + a] += M[i][j] * x[j * fields + a];
                 }
+            }
+    }
+
+    // Of several elements, one a lane.
+    static constexpr bool packed = dim == 2 && nodes * fields <= max_packed;
+
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
+        Pack M[nodes][nodes];
+        set_matrix(X, p[0], M);
+        set_forces(M, x, r);
+    }
+
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
+                                                Pack* K) {
+        Pack M[nodes][nodes];
+        set_matrix(X, p[0], M);
+        set_forces(M, x, r);
+        for (int k = 0; k < nodes * fields; ++k)
+            for (int l = 0; l < nodes * fields; ++l)
+                K[k * nodes * fields + l] = k % fields == l % fields ? M[k / fields][l / fields] : Pack{};
+    }
+
+ private:
+    // The integrals of N_i N_j N_k over the reference triangle. The determinant of its map is quadratic, as the basis
+    // is: it is the sum of N_k times its values at the nodes, on curved sides too.
+    struct Triples {
+        double entry[nodes][nodes][nodes] = {};
+
+        constexpr Triples() {
+            for (int q = 0; q < Shape::points; ++q)
+                for (int i = 0; i < nodes; ++i)
+                    for (int j = 0; j < nodes; ++j)
+                        for (int k = 0; k < nodes; ++k)
+                            entry[i][j][k] += Shape::Rule::weight[q] * Shape::table.value[q][i] *
+                                              Shape::table.value[q][j] * Shape::table.value[q][k];
+        }
+    };
+
+    static void set_matrix(const Pack* X, const Pack& density, Pack (&M)[nodes][nodes]) {
+        static constexpr Triples triples{};
+        Pack mass[nodes];
+        Shape::determinants(X, mass);
+        for (int k = 0; k < nodes; ++k) mass[k] *= density;
+        for (int i = 0; i < nodes; ++i)
+            for (int j = i; j < nodes; ++j) {
+                M[i][j] = triples.entry[i][j][0] * mass[0];
+                for (int k = 1; k < nodes; ++k) M[i][j] += triples.entry[i][j][k] * mass[k];
+                M[j][i] = M[i][j];
+            }
+    }
+
+    static void set_forces(const Pack (&M)[nodes][nodes], const Pack* x, Pack* r) {
+        for (int i = 0; i < nodes; ++i)
+            for (int a = 0; a < fields; ++a) {
+                r[i * fields + a] = M[i][0] * x[a];
+                for (int j = 1; j < nodes; ++j) r[i * fields + a] += M[i][j] * x[j * fields + a];
             }
     }
 };

@@ -126,6 +126,13 @@ struct Quadratic {
     }
 };
 
+// The nodes of a triangle as points of a rule without weights.
+template <class Basis>
+struct NodesOf {
+    static constexpr int points = Basis::nodes, dim = 2;
+    static constexpr double at[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
+};
+
 // Values and reference slopes of a basis at the points of a rule.
 template <class Basis, class Rule>
 struct Table {
@@ -178,6 +185,16 @@ struct Solid {
         S J[dim][dim], C[dim][dim];
         jacobian(table.slope[q], X, J);
         return cofactors(J, C) * Rule::weight[q];
+    }
+    // The determinant of the map from the reference triangle at the nodes.
+    template <class S>
+    static void determinants(const S* X, S* at) {
+        static constexpr Table<Basis, NodesOf<Basis>> nodal{};
+        for (int i = 0; i < nodes; ++i) {
+            S J[dim][dim], C[dim][dim];
+            jacobian(nodal.slope[i], X, J);
+            at[i] = cofactors(J, C);
+        }
     }
     // The gradients anywhere: xi are reference coordinates. Returns the determinant of the map.
     template <class S>
