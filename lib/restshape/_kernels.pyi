@@ -482,13 +482,24 @@ class HarmonicExtension:
         X: numpy.typing.NDArray[numpy.float64],
         cells: numpy.typing.NDArray[numpy.int32],
         boundary: numpy.typing.NDArray[numpy.int32],
+        border: numpy.typing.NDArray[numpy.int32] | None = None,
     ) -> None: ...
+    def complement(self) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    def complete(
+        self,
+        values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+        border: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"],
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+    def reduce(
+        self, values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
     def solve(
         self, values: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
     ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
-    def stiffen(
+    def stiffen(self, largest: typing.SupportsFloat | typing.SupportsIndex) -> None: ...
+    def weigh(
         self, field: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
-    ) -> None: ...
+    ) -> float: ...
 
 class Triangulation:
     def __init__(

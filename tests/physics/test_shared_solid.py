@@ -1,11 +1,10 @@
 """Quantities and estimates that ranks share are those of the whole, on few and many ranks; ranks are threads here."""
 
-from concurrent.futures import ThreadPoolExecutor
-from threading import Barrier
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rank_threads import Ranks
 from small_scenes import HEAD, block, write_scene
 
 from restshape.fem import part_space
@@ -41,42 +40,6 @@ inside = {{ stress = "xx", at = "core", reduce = "absmax" }}
 edge = {{ stress = "yy", at = "left", reduce = "max" }}
 """
 LARGE, FIRST = "effects.large_deformation={}", "mesh.order=1"
-
-
-class Ranks:
-    """Threads that exchange what ranks do."""
-
-    def __init__(self, size: int) -> None:
-        self.size, self.barrier, self.given = size, Barrier(size, timeout=20), [None] * size
-
-    def run(self, work):
-        """The results of a function of a communicator, of all ranks."""
-        with ThreadPoolExecutor(self.size) as pool:
-            return list(pool.map(work, [self.comm(k) for k in range(self.size)]))
-
-    def comm(self, rank: int):
-        """What stands for PETSc's communicator of a rank."""
-        return SimpleNamespace(rank=rank, size=self.size, tompi4py=World(self, rank))
-
-
-class World:
-    """What a rank knows of the others."""
-
-    def __init__(self, ranks: Ranks, rank: int) -> None:
-        self.ranks, self.rank = ranks, rank
-
-    def __call__(self):
-        return self
-
-    def allgather(self, given):
-        self.ranks.given[self.rank] = given
-        self.ranks.barrier.wait()
-        found = list(self.ranks.given)
-        self.ranks.barrier.wait()
-        return found
-
-    def Allgather(self, given, out):
-        out[...] = np.array(self.allgather(np.array(given))).reshape(out.shape)
 
 
 def whole(analysis) -> PlaneSolid:

@@ -17,9 +17,11 @@ class ScalarCholesky {
  public:
     using Matrix = Eigen::SparseMatrix<double>;
 
-    // Takes up the pattern of a matrix, of which the lower triangle by columns is given, the diagonal first.
-    void analyse(const Matrix& lower) {
+    // Takes up the pattern of a matrix, of which the lower triangle by columns is given, the diagonal first. The last
+    // unknowns, as many as are kept, are no pivots.
+    void analyse(const Matrix& lower, PetscInt kept = 0) {
         const auto n = static_cast<PetscInt>(lower.cols());
+        kept_ = kept;
         order(lower);
         arrange(lower);
         // Each row has the columns of the matrix, and of the rows above whose first column it is, less itself.
@@ -41,6 +43,7 @@ class ScalarCholesky {
             const PetscInt first = column_[start_[k]];
             next[k] = last[first], last[first] = k;
         }
+        column_.shrink_to_fit();
         value_.resize(column_.size());
     }
 
@@ -50,27 +53,59 @@ class ScalarCholesky {
         for (std::size_t j = 0; j < slot_.size(); ++j) upper_[j] = stored[slot_[j]];
         const auto n = static_cast<PetscInt>(lower.cols());
         const StoredBlocks a{n, from_.data(), to_.data(), place_.data(), length_.data(), upper_.data()};
-        factor_.make(a, rows());
+        factor_.make(a, rows(), kept_);
         return std::all_of(value_.begin(), value_.begin() + n, [](double pivot) { return std::isfinite(pivot); });
     }
+
+    template <int columns>
+    using Fields =
+        std::vector<Eigen::Array<double, 1, columns>, Eigen::aligned_allocator<Eigen::Array<double, 1, columns>>>;
 
     // Solves for all columns together; load and found are (n, columns) by rows.
     template <int columns>
     void solve(const double* load, double* found) const {
-        using Row = Eigen::Array<double, 1, columns>;
+        Fields<columns> x = forward<columns>(load);
+        backward<columns>(x, found);
+    }
+
+    // What loads (n, columns) leave at each place; at the last ones what the unknowns that are kept have to bear.
+    template <int columns>
+    Fields<columns> forward(const double* load) const {
         const auto n = static_cast<PetscInt>(place_of_.size());
-        std::vector<Row, Eigen::aligned_allocator<Row>> x(n);
+        Fields<columns> x(n);
+        using Row = Eigen::Array<double, 1, columns>;
         for (PetscInt i = 0; i < n; ++i) x[place_of_[i]] = Eigen::Map<const Row>(load + columns * i);
-        for (PetscInt k = 0; k < n; ++k) {
+        for (PetscInt k = 0; k < n - kept_; ++k) {
             const Row own = x[k];
             for (PetscInt j = start_[k]; j < start_[k + 1]; ++j) x[column_[j]] += value_[j] * own;
         }
-        for (PetscInt k = n - 1; k >= 0; --k) {
+        return x;
+    }
+
+    // Found (n, columns) from that, with the solution at the places of the unknowns that are kept.
+    template <int columns>
+    void backward(Fields<columns>& x, double* found) const {
+        const auto n = static_cast<PetscInt>(place_of_.size());
+        using Row = Eigen::Array<double, 1, columns>;
+        for (PetscInt k = n - kept_ - 1; k >= 0; --k) {
             Row own = value_[k] * x[k];
             for (PetscInt j = start_[k]; j < start_[k + 1]; ++j) own += value_[j] * x[column_[j]];
             x[k] = own;
         }
         for (PetscInt i = 0; i < n; ++i) Eigen::Map<Row>(found + columns * i) = x[place_of_[i]];
+    }
+
+    // The Schur complement (kept, kept) of the unknowns that are kept, by rows.
+    void complement(double* out) const {
+        const auto first = static_cast<PetscInt>(place_of_.size()) - kept_;
+        std::fill(out, out + static_cast<std::size_t>(kept_) * kept_, 0.0);
+        for (PetscInt k = 0; k < kept_; ++k) {
+            out[k * kept_ + k] = value_[first + k];
+            for (PetscInt j = start_[first + k]; j < start_[first + k + 1]; ++j) {
+                const PetscInt to = column_[j] - first;
+                out[k * kept_ + to] = out[to * kept_ + k] = value_[j];
+            }
+        }
     }
 
  private:
@@ -80,8 +115,13 @@ class ScalarCholesky {
         Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> found;
         Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), found);
         place_of_.resize(lower.cols());
-        // Its indices are the unknown at each place.
-        for (Eigen::Index k = 0; k < lower.cols(); ++k) place_of_[found.indices()[k]] = static_cast<PetscInt>(k);
+        // Its indices are the unknown at each place; those that are kept come last, as they are.
+        const auto pivots = static_cast<PetscInt>(lower.cols()) - kept_;
+        PetscInt place = 0;
+        for (Eigen::Index k = 0; k < lower.cols(); ++k) {
+            const PetscInt unknown = found.indices()[k];
+            place_of_[unknown] = unknown < pivots ? place++ : unknown;
+        }
     }
 
     // The upper triangle by rows in that order, with the place in the lower one of each entry.
@@ -118,6 +158,7 @@ class ScalarCholesky {
     std::vector<PetscInt> from_, to_, slot_, place_, length_;  // the matrix in that order
     std::vector<PetscInt> start_, column_;                     // the factor, its pivots first
     std::vector<double> upper_, value_;
+    PetscInt kept_ = 0;
     BlockFactor<1> factor_;
 };
 

@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -149,12 +150,14 @@ void interpolate_rows(const Indices& nodes, const Doubles& weights, const Double
 }
 
 std::unique_ptr<restshape::HarmonicExtension> harmonic_extension(const Doubles& X, const Indices& cells,
-                                                                 const Indices& boundary) {
+                                                                 const Indices& boundary,
+                                                                 const std::optional<Indices>& border) {
     require_rows(X, 2, "X");
     require_rows(cells, 3, "cells");
-    return std::make_unique<restshape::HarmonicExtension>(X.data(), static_cast<std::int32_t>(X.shape(0)), cells.data(),
-                                                          static_cast<std::int32_t>(cells.shape(0)), boundary.data(),
-                                                          static_cast<std::int32_t>(boundary.size()));
+    const auto count = [](const auto& array) { return static_cast<std::int32_t>(array.shape(0)); };
+    return std::make_unique<restshape::HarmonicExtension>(
+        X.data(), count(X), cells.data(), count(cells), boundary.data(), count(boundary),
+        border ? border->data() : nullptr, border ? count(*border) : 0);
 }
 
 // Keeps the mesh's arrays alive beside the triangulation that works on them.
@@ -226,11 +229,19 @@ void bind_mesh(py::module_& m) {
     py::class_<restshape::HarmonicExtension>(m, "HarmonicExtension",
                                              "Carries boundary values into a mesh by Laplace's equation.")
         .def(py::init(&harmonic_extension), py::arg("X").noconvert(), py::arg("cells").noconvert(),
-             py::arg("boundary").noconvert())
+             py::arg("boundary").noconvert(), py::arg("border").noconvert() = py::none())
         .def("solve", &restshape::HarmonicExtension::solve, "values"_a,
              "Values (n, k) at all nodes from values (nb, k) at the boundary nodes.")
-        .def("stiffen", &restshape::HarmonicExtension::stiffen, "field"_a,
-             "Weights each triangle by the size of the gradient of a field (n, k), and factorises again.");
+        .def("weigh", &restshape::HarmonicExtension::weigh, "field"_a,
+             "Weights each triangle by the size of the gradient of a field (n, k), whose largest one it returns.")
+        .def("stiffen", &restshape::HarmonicExtension::stiffen, "largest"_a,
+             "Factorises again, with these weights over the largest one; equal ones where that is 0.")
+        .def("complement", &restshape::HarmonicExtension::complement,
+             "The Schur complement (m, m) of the border, nodes that other parts of a mesh have too.")
+        .def("reduce", &restshape::HarmonicExtension::reduce, "values"_a,
+             "The loads (m, k) that values (nb, k) at the boundary nodes leave for the border.")
+        .def("complete", &restshape::HarmonicExtension::complete, "values"_a, "border"_a,
+             "Values (n, k) at all nodes from those of the last `reduce`, and those (m, k) at the border.");
     py::class_<BoundTriangulation>(m, "Triangulation",
                                    "Delaunay flips in the arrays of a mesh; a flipped edge keeps its number.")
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,63 +17,88 @@
 namespace restshape {
 
 // Linear triangles; the factor serves any number of boundary values. With equal weights linear functions are
-// reproduced.
+// reproduced. Of a part of a mesh the border, nodes that it shares with other parts, is no pivot of the factor:
+// `reduce` gives what is left for it, `complete` takes what others have found there.
 class HarmonicExtension {
  public:
     using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
     HarmonicExtension(const double* X, std::int32_t node_count, const std::int32_t* cells, std::int32_t cell_count,
-                      const std::int32_t* boundary, std::int32_t boundary_count)
+                      const std::int32_t* boundary, std::int32_t boundary_count, const std::int32_t* border = nullptr,
+                      std::int32_t border_count = 0)
         : node_count_(node_count),
           boundary_count_(boundary_count),
+          border_count_(border_count),
           cells_(cells, cells + 3 * cell_count),
           number_(node_count, 0),
           weights_(Eigen::VectorXd::Ones(cell_count)) {
         for (std::int32_t b = 0; b < boundary_count; ++b) number_[boundary[b]] = -1 - b;
+        for (std::int32_t b = 0; b < border_count; ++b) number_[border[b]] = 1;
         for (auto& number : number_) {
-            if (number >= 0) number = free_count_++;
+            if (number == 0) number = free_count_++;
         }
+        for (std::int32_t b = 0; b < border_count; ++b) number_[border[b]] = free_count_++;
         shapes_.resize(cell_count);
         for (std::int32_t e = 0; e < cell_count; ++e) shapes_[e] = shape_of(X, cells + 3 * e);
         make_pattern();
         assemble();
-        if (free_count_) factor_.analyse(stiffness_);
+        if (free_count_) factor_.analyse(stiffness_, border_count_);
         factorise();
     }
 
     // Values (n, k) at all nodes from values (nb, k) at the boundary nodes.
     Rows solve(const Eigen::Ref<const Rows>& values) const {
+        const Rows load = pull_ * values;
         Rows inside(free_count_, values.cols());
-        if (free_count_) {
-            const Rows load = pull_ * values;
-            if (values.cols() == 4) {
-                factor_.solve<4>(load.data(), inside.data());
-            } else if (values.cols() == 2) {
-                factor_.solve<2>(load.data(), inside.data());
-            } else {
-                for (Eigen::Index k = 0; k < values.cols(); ++k) {
-                    const Eigen::VectorXd one = load.col(k);
-                    Eigen::VectorXd found(free_count_);
-                    factor_.solve<1>(one.data(), found.data());
-                    inside.col(k) = found;
-                }
-            }
-        }
-        Rows all(node_count_, values.cols());
-        for (std::int32_t i = 0; i < node_count_; ++i) {
-            if (number_[i] < 0) {
-                all.row(i) = values.row(-1 - number_[i]);
-            } else {
-                all.row(i) = inside.row(number_[i]);
-            }
-        }
-        return all;
+        each_columns(values.cols(), [&](auto width, Eigen::Index first) {
+            constexpr int columns = decltype(width)::value;
+            const Rows own = load.middleCols(first, columns);
+            Rows found(free_count_, columns);
+            factor_.template solve<columns>(own.data(), found.data());
+            inside.middleCols(first, columns) = found;
+        });
+        return everywhere(values, inside);
+    }
+
+    // The Schur complement (m, m) of the border.
+    Rows complement() const {
+        Rows found = Rows::Zero(border_count_, border_count_);
+        if (free_count_) factor_.complement(found.data());
+        return found;
+    }
+
+    // What boundary values (nb, k) leave as loads (m, k) for the border.
+    Rows reduce(const Eigen::Ref<const Rows>& values) {
+        const Rows load = pull_ * values;
+        reduced_.resize(free_count_, values.cols());
+        each_columns(values.cols(), [&](auto width, Eigen::Index first) {
+            constexpr int columns = decltype(width)::value;
+            const Rows own = load.middleCols(first, columns);
+            const auto left = factor_.template forward<columns>(own.data());
+            for (std::int32_t k = 0; k < free_count_; ++k) reduced_.row(k).segment(first, columns) = left[k].matrix();
+        });
+        return reduced_.bottomRows(border_count_);
+    }
+
+    // Values (n, k) at all nodes from the same values (nb, k) and those (m, k) of the border.
+    Rows complete(const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& border) {
+        reduced_.bottomRows(border_count_) = border;
+        Rows inside(free_count_, values.cols());
+        each_columns(values.cols(), [&](auto width, Eigen::Index first) {
+            constexpr int columns = decltype(width)::value;
+            ScalarCholesky::Fields<columns> x(free_count_);
+            for (std::int32_t k = 0; k < free_count_; ++k) x[k] = reduced_.row(k).segment(first, columns).array();
+            Rows found(free_count_, columns);
+            factor_.template backward<columns>(x, found.data());
+            inside.middleCols(first, columns) = found;
+        });
+        reduced_.resize(0, 0);
+        return everywhere(values, inside);
     }
 
     // Weights each triangle by the size of a field's gradient in it, so that strain spreads away from where it gathers.
-    // A linear field has one gradient everywhere, and is reproduced still.
-    void stiffen(const Eigen::Ref<const Rows>& field) {
-        constexpr double least = 1e-2;  // keeps the stiffness well conditioned where nothing is strained
+    // A linear field has one gradient everywhere, and is reproduced still. Gives the largest size.
+    double weigh(const Eigen::Ref<const Rows>& field) {
         for (std::size_t e = 0; e < shapes_.size(); ++e) {
             const std::int32_t* n = cells_.data() + 3 * e;
             double sum = 0.0;
@@ -82,7 +108,12 @@ class HarmonicExtension {
             }
             weights_[e] = std::sqrt(std::max(0.0, sum / shapes_[e].area));
         }
-        const double largest = weights_.maxCoeff();
+        return shapes_.empty() ? 0.0 : weights_.maxCoeff();
+    }
+
+    // Factorises with these weights over the largest one, of all parts.
+    void stiffen(double largest) {
+        constexpr double least = 1e-2;  // keeps the stiffness well conditioned where nothing is strained
         if (!(largest > 0.0)) {
             weights_.setOnes();
             return;
@@ -108,6 +139,32 @@ class HarmonicExtension {
             shape.area = 0.5 * twice_area;
         }
         return shape;
+    }
+
+    // Calls `use` for columns together, whose number the compiler knows, with the first of them.
+    template <class Use>
+    void each_columns(Eigen::Index count, const Use& use) const {
+        if (!free_count_) return;
+        if (count == 4) {
+            use(std::integral_constant<int, 4>{}, 0);
+        } else if (count == 2) {
+            use(std::integral_constant<int, 2>{}, 0);
+        } else {
+            for (Eigen::Index k = 0; k < count; ++k) use(std::integral_constant<int, 1>{}, k);
+        }
+    }
+
+    // Values at all nodes from those at the boundary, and at free nodes.
+    Rows everywhere(const Eigen::Ref<const Rows>& values, const Rows& inside) const {
+        Rows all(node_count_, values.cols());
+        for (std::int32_t i = 0; i < node_count_; ++i) {
+            if (number_[i] < 0) {
+                all.row(i) = values.row(-1 - number_[i]);
+            } else {
+                all.row(i) = inside.row(number_[i]);
+            }
+        }
+        return all;
     }
 
     // Numbers of both ends of a side of a cell, negative at the boundary.
@@ -180,7 +237,7 @@ class HarmonicExtension {
         if (!factor_.factorise(stiffness_)) throw std::runtime_error("the mesh has a triangle without area");
     }
 
-    std::int32_t node_count_, boundary_count_, free_count_ = 0;
+    std::int32_t node_count_, boundary_count_, border_count_, free_count_ = 0;
     std::vector<std::int32_t> cells_, number_;
     std::vector<Shape> shapes_;
     Eigen::VectorXd weights_;
@@ -189,6 +246,7 @@ class HarmonicExtension {
     Eigen::SparseMatrix<double> stiffness_;
     Eigen::SparseMatrix<double, Eigen::RowMajor> pull_;
     ScalarCholesky factor_;
+    Rows reduced_;  // loads at the factor's places, between `reduce` and `complete`
 };
 
 }  // namespace restshape

@@ -22,7 +22,7 @@ from restshape.mesh.moving_state import Generated, GestureMap, Kept, KeptMesh, M
 from restshape.mesh.nested import NestedMesh
 from restshape.mesh.quality import areas, thresholds
 from restshape.mesh.reach import MovingPart, moving_part, reaching_motion
-from restshape.mesh.relocate import BoundaryNodes, extension, motion
+from restshape.mesh.relocate import BoundaryNodes, Harmonic, HarmonicExtension, extension, motion
 from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
 from restshape.outputs.si_numbers import counted
 from restshape.scene.model import MeshSpec, Scene
@@ -90,6 +90,7 @@ class MovingMesh:
             triangles, so that an old factor still fits.
         imported: a mesh of the first shape, used instead of generating one.
         order_of: the order of a scene's elements, asked once a scene; by default what its `mesh.order` says.
+        harmonic: makes harmonic maps, which ranks may share.
 
     Source: docs/theory/levels-of-reuse.md.
     """
@@ -107,12 +108,13 @@ class MovingMesh:
         flip_everywhere: bool = False,
         imported: Mesh | None = None,
         order_of: Callable[[Scene], int] = lambda scene: scene.mesh.order or 1,
+        harmonic: Harmonic = HarmonicExtension,
     ) -> None:
         self.outline, self.ranks, self.regenerate = outline, ranks, regenerate
         self._broadcast = broadcast or (lambda make: make())
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
         self._flip_everywhere = flip_everywhere
-        self._order_of = order_of
+        self._order_of, self._harmonic = order_of, harmonic
         self.state = MovingState(spec)
         self._kept: Kept | None = None
 
@@ -216,7 +218,7 @@ class MovingMesh:
             elif self.spec.reach is not None:
                 log.info("Reach %g m: all nodes move, for springs relax them", self.spec.reach)
             if known.part is None:
-                Psi = motion(self.mesh, moved, self.relocation, boundary.nodes)
+                Psi = motion(self.mesh, moved, self.relocation, boundary.nodes, self._harmonic)
             else:
                 Psi = reaching_motion(self.mesh, moved, known.part, boundary)
         self.state = replace(self.state, map=replace(known, Psi=Psi))
@@ -513,7 +515,7 @@ class MovingMesh:
         else:
             if self.spec.reach is not None:
                 log.info("Reach %g m: all nodes move, for an arc bends", self.spec.reach)
-            extend = extension(self.mesh, self._boundary.nodes, self.relocation)
+            extend = extension(self.mesh, self._boundary.nodes, self.relocation, self._harmonic)
             Psi = np.zeros((2, *self.mesh.X.shape))
             self.state = replace(self.state, map=replace(made(self.state.map), extend=extend, Psi=Psi))
             if self.space:

@@ -100,7 +100,7 @@ def reaching_motion(mesh: Mesh, boundary_basis: np.ndarray, part: MovingPart, bo
     own = np.ascontiguousarray(cells.reshape(-1, 3), dtype=np.int32)
     values = np.concatenate(list(Psi[:, nodes[given]]), axis=1)
     extension = _kernels.HarmonicExtension(np.ascontiguousarray(mesh.X[nodes]), own, given)
-    extension.stiffen(extension.solve(values))
+    extension.stiffen(extension.weigh(extension.solve(values)))
     found = extension.solve(values).reshape(len(nodes), len(Psi), mesh.dim)
     Psi[:, nodes] = found.transpose(1, 0, 2)
     return Psi

@@ -94,7 +94,7 @@ class HarmonicExtension:
         Args:
             values: (nb, k) at the boundary nodes.
         """
-        self._kernel.stiffen(self(values))
+        self._kernel.stiffen(self._kernel.weigh(self(values)))
         return self(values)
 
 
@@ -214,18 +214,29 @@ KINDS: dict[str, Callable[[Mesh, np.ndarray], Extension]] = {
 """Kinds of relocation, as `mesh.relocation` names them; of "laplacian" the boundary nodes alone move."""
 
 
-def extension(mesh: Mesh, nodes: np.ndarray, kind: str) -> Extension:
+Harmonic = Callable[[Mesh, np.ndarray], Extension]
+"""Makes harmonic extensions of a mesh and its boundary nodes (nb,) int32."""
+
+
+def extension(mesh: Mesh, nodes: np.ndarray, kind: str, harmonic: Harmonic = HarmonicExtension) -> Extension:
     """The way of a kind to extend boundary displacements into a mesh.
 
     Args:
         mesh: the mesh as it lies now.
         nodes: (nb,) boundary nodes.
         kind: one of `KINDS`.
+        harmonic: makes those of the kind "harmonic", as where ranks share them.
     """
-    return KINDS[kind](mesh, nodes)
+    return (harmonic if kind == "harmonic" else KINDS[kind])(mesh, nodes)
 
 
-def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str, nodes: np.ndarray | None = None) -> np.ndarray:
+def motion(
+    mesh: Mesh,
+    boundary_basis: np.ndarray,
+    kind: str,
+    nodes: np.ndarray | None = None,
+    harmonic: Harmonic = HarmonicExtension,
+) -> np.ndarray:
     """Psi (2, n, d): node displacements a unit of each of a gesture's two coefficients.
 
     The harmonic map is solved twice: the strain of the first solution stiffens the second.
@@ -235,10 +246,12 @@ def motion(mesh: Mesh, boundary_basis: np.ndarray, kind: str, nodes: np.ndarray 
         boundary_basis: (2, nb, d) displacements of the boundary nodes, in the order of ``Boundary(mesh).nodes``.
         kind: one of `KINDS`.
         nodes: (nb,) int32 boundary nodes, where they are known.
+        harmonic: as of `extension`.
 
     Source: docs/theory/moving-the-mesh.md.
     """
     values = np.concatenate(list(boundary_basis), axis=1)
-    together = extension(mesh, BoundaryNodes(mesh).nodes if nodes is None else nodes, kind).adapted(values)
+    nodes = BoundaryNodes(mesh).nodes if nodes is None else nodes
+    together = extension(mesh, nodes, kind, harmonic).adapted(values)
     parted = together.reshape(len(mesh.X), len(boundary_basis), mesh.dim)
     return np.ascontiguousarray(parted.transpose(1, 0, 2))

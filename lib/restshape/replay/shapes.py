@@ -10,6 +10,7 @@ from restshape.application import Application
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.moving import MovingMesh
+from restshape.mesh.relocate import Harmonic, HarmonicExtension
 from restshape.policy import Policy
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
@@ -51,8 +52,16 @@ def replayed_shape(
         flip_everywhere=policy.flip_everywhere,
         imported=imported,
         order_of=lambda scene: plan(scene, application).order,
+        harmonic=_harmonic_on(comm) if comm.size > 1 else HarmonicExtension,
     )
     return session, moving
+
+
+def _harmonic_on(comm: PETSc.Comm) -> Harmonic:
+    """What makes harmonic maps on several ranks."""
+    from restshape.mesh.shared_extension import harmonic_on
+
+    return harmonic_on(comm.tompi4py())
 
 
 def _broadcast(comm: PETSc.Comm, make: Callable[[], Mesh]) -> Mesh:
