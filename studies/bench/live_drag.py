@@ -19,6 +19,7 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from restshape_studies.bench.live_mouse import Mouse, free_port, mouse_of
 from restshape_studies.bench.live_notes import FIND, NOTES
 from restshape_studies.bench.live_processes import Spent, spent
 from restshape_studies.bench.turns import OutOfTime
@@ -26,7 +27,7 @@ from restshape_studies.bench.turns import OutOfTime
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from playwright.async_api import CDPSession, Page
+    from playwright.async_api import Page
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -63,39 +64,6 @@ class Drag:
     rests: float = 0.0
 
 
-@dataclass
-class Mouse:
-    """A mouse on a page. Playwright's own runs a script in the page at each move, which a person's does not.
-
-    Args:
-        session: of Chromium's protocol.
-
-    Attributes:
-        down: the left button is.
-    """
-
-    session: CDPSession
-    down: bool = False
-
-    async def move(self, x: float, y: float) -> None:
-        """Moves to a place [pixels]."""
-        await self._do("mouseMoved", x, y, "left" if self.down else "none")
-
-    async def press(self, x: float, y: float) -> None:
-        """Presses the left button."""
-        self.down = True
-        await self._do("mousePressed", x, y, "left", clickCount=1)
-
-    async def release(self, x: float, y: float) -> None:
-        """Lets go of it."""
-        self.down = False
-        await self._do("mouseReleased", x, y, "left", clickCount=1)
-
-    async def _do(self, kind: str, x: float, y: float, button: str, **more: int) -> None:
-        about = {"type": kind, "x": x, "y": y, "button": button, "buttons": int(self.down), **more}
-        await self.session.send("Input.dispatchMouseEvent", about)
-
-
 def browser() -> str:
     """The path of Chromium.
 
@@ -124,7 +92,9 @@ async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[st
     from playwright.async_api import async_playwright
 
     async with async_playwright() as driver:
-        chromium = await driver.chromium.launch(executable_path=browser(), args=OPTIONS)
+        port = free_port()
+        more = [*OPTIONS, f"--remote-debugging-port={port}"]
+        chromium = await driver.chromium.launch(executable_path=browser(), args=more)
         try:
             page = await chromium.new_page(viewport=SCREEN)
             await page.add_init_script(NOTES)
@@ -133,7 +103,8 @@ async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[st
                 await page.goto(address)
                 first = await _first(page, scene) - started
                 await page.wait_for_timeout(1500)
-                found = await _moved(page, drag, {os.getpid(): "driver", process.pid: "server"})
+                async with mouse_of(port, address) as mouse:
+                    found = await _moved(page, mouse, drag, {os.getpid(): "driver", process.pid: "server"})
         finally:
             await chromium.close()
     return {"first_s": first, **found}
@@ -171,24 +142,21 @@ async def _session(scene: Path, overrides: Sequence[str]) -> AsyncIterator[tuple
             process.kill()
 
 
-async def _moved(page: Page, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
+async def _moved(page: Page, mouse: Mouse, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
     """Presses, drags and lets go; what was noted."""
     name, (x, y) = await _place(page, drag.on)
-    mouse = Mouse(await page.context.new_cdp_session(page))
     await mouse.move(x - 2, y)
     await mouse.move(x, y)
     await mouse.press(x, y)
     await page.wait_for_timeout(500)
     await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [] })")
-    before, begun, moves = spent(roots), time.perf_counter(), []
+    before, begun = spent(roots), time.perf_counter()
     for number in range(drag.places):
         await asyncio.sleep(max(begun + number / drag.rate - time.perf_counter(), 0.0))
         across, up = math.sin(number / 60), math.sin(number / 25)
-        # The next place does not wait until the browser has taken this one.
-        moves.append(asyncio.create_task(mouse.move(x + drag.wide * across, y + drag.high * up)))
+        await mouse.move(x + drag.wide * across, y + drag.high * up)
     took = time.perf_counter() - begun
     used = spent(roots).since(before)
-    await asyncio.gather(*moves)
     await page.wait_for_timeout(500)
     noted = await page.evaluate("({ ...restshapeNoted, sent: [...restshapeNoted.sent] })")
     released = await page.evaluate("performance.now()")

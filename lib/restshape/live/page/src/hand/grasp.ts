@@ -3,6 +3,7 @@
 import type { App } from "../app";
 import type { ScriptEvent, ThingInfo } from "../protocol";
 import type { Grip } from "./targets";
+import { Turns } from "./turns";
 
 const IN_SPACE = ["body", "support", "plank"];
 
@@ -17,6 +18,7 @@ export class Grasp {
   private at: readonly number[];                     // where
   private ended = false;
   private last: string | null = null;
+  private readonly turns = new Turns();
   readonly thing: ThingInfo;
 
   /** parameter: of a plank, which the hand changes in place of its place. */
@@ -27,7 +29,9 @@ export class Grasp {
   }
 
   /** Moves it to a place [m], or changes its parameter by an amount. The first time is the press. */
-  move(to: readonly number[] | number): void {
+  move(to: readonly number[] | number): void { this.turns.take(() => this.send(to)); }
+
+  private send(to: readonly number[] | number): void {
     const drag: ScriptEvent = typeof to === "number"
       ? { do: "drag", by: Number(to.toPrecision(6)) } : { do: "drag", to: coordinates(this.app, this.thing, to) };
     const text = JSON.stringify(drag);
@@ -38,6 +42,7 @@ export class Grasp {
 
   release(): void {
     if (this.ended) return;
+    this.turns.flush();
     this.ended = true;
     if (this.pressed) letGo(this.app);
     this.app.tell("held", null);
