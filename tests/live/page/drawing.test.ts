@@ -11,11 +11,13 @@ import { follow } from "../../../lib/restshape/live/page/src/draw/follow";
 import { arrowLines } from "../../../lib/restshape/live/page/src/draw/marks";
 import { addNormals } from "../../../lib/restshape/live/page/src/draw/normals";
 import { autoScale, largest, readable } from "../../../lib/restshape/live/page/src/draw/scale";
+import { Ahead } from "../../../lib/restshape/live/page/src/draw/ahead";
 import { Sharpness } from "../../../lib/restshape/live/page/src/draw/sharpness";
 import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
+import { Turns } from "../../../lib/restshape/live/page/src/hand/turns";
 import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
 import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
 import type { ArrayPlace, FrameMessage, Part } from "../../../lib/restshape/live/page/src/protocol";
@@ -148,6 +150,38 @@ test("a picture that is drawn late takes fewer pixels until it is at rest", () =
   assert.equal(sharpness.share, 1);
   assert.equal(draw(16), 0.75); // it has learned what it can
   sharpness.settle();
+});
+
+test("a frame is drawn before the display asks, unless that was in vain three times", () => {
+  const ahead = new Ahead();
+  const turns = (frames: number, count: number): boolean[] => Array.from({ length: count }, () => {
+    const wanted = Array.from({ length: frames }, () => ahead.wants());
+    ahead.turn();
+    return wanted.includes(true);
+  });
+  assert.deepEqual(turns(2, 2), [true, true]); // twice in vain
+  assert.deepEqual(turns(1, 3), [true, true, true]);
+  assert.deepEqual(turns(2, 5), [true, true, true, false, false]);
+  const later = turns(1, 30);
+  assert.equal(later.indexOf(true), 18);
+  assert.ok(later.slice(18).every((one) => one));
+});
+
+test("the hand sends one place for each turn of the display, the last one always", () => {
+  let turn: (() => void) | null = null;
+  Object.assign(globalThis, { requestAnimationFrame: (call: () => void) => { turn = call; return 0; } });
+  const turns = new Turns(), sent: number[] = [];
+  for (const place of [1, 2, 3]) turns.take(() => sent.push(place));
+  assert.deepEqual(sent, [1]);
+  turn!();
+  assert.deepEqual(sent, [1, 3]);
+  turn!();
+  turns.take(() => sent.push(4)); // nothing was sent since the last turn
+  turns.take(() => sent.push(5));
+  assert.deepEqual(sent, [1, 3, 4]);
+  turns.flush();
+  turns.flush();
+  assert.deepEqual(sent, [1, 3, 4, 5]);
 });
 
 test("a part that has moved as it lies is read where it has gone", () => {

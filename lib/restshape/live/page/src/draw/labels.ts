@@ -30,14 +30,15 @@ export class Labels {
 
   constructor(private readonly over: HTMLElement, private readonly painter: Painter) {}
 
-  /** Words under a name, in place of those before; none: takes them away. */
-  set(name: string, words: readonly Word[]): void {
-    const shown = this.sets.get(name) ?? [];
+  /** Words under a name, in place of those before; none: takes them away. False: there were none, and there are none. */
+  set(name: string, words: readonly Word[]): boolean {
+    const shown = this.sets.get(name) ?? [], any = shown.length + words.length > 0;
     while (shown.length > words.length) shown.pop()!.element.remove();
     while (shown.length < words.length) shown.push(this.make());
     words.forEach((word, i) => this.write(shown[i]!, word));
     if (words.length) this.sets.set(name, shown);
     else this.sets.delete(name);
+    return any;
   }
 
   /** Moves all words to where their places are seen. scale: of displacements. */

@@ -65,12 +65,12 @@ export class Marks {
   }
 
   setWords(name: string, words: readonly Word[] | null): void {
-    this.labels.set(name, words ?? []);
-    this.changed();
+    if (this.labels.set(name, words ?? [])) this.changed();
   }
 
   private begin(name: string, what: unknown): Drawn {
     const drawn = this.drawn.get(name) ?? {};
+    if (!what && !this.drawn.has(name)) return drawn;
     if (what) this.drawn.set(name, drawn);
     else this.take(name, drawn);
     this.changed();

@@ -5,6 +5,7 @@ import { ColorManagement, Group, Scene as Drawn } from "three";
 import type { App, Frame, Look, Welcome } from "../app";
 import type { Painter } from "../panels/painter";
 import type { FieldInfo } from "../protocol";
+import { Ahead } from "./ahead";
 import { CardDrawer } from "./card_drawer";
 import { chosenMap, ends } from "./colour_maps";
 import { ColourBar } from "./colour_bar";
@@ -18,8 +19,6 @@ import { Sharpness } from "./sharpness";
 import { SoftwareDrawer } from "./software_drawer";
 import { Theme } from "./theme";
 import { View } from "./view";
-
-const VAIN = 20; // drawings that are not made ahead after one that was in vain
 
 ColorManagement.enabled = false; // colours of maps are shown as they are
 
@@ -40,8 +39,7 @@ export class Scene {
   private said = { scale: 1, text: "" };
   private asked = false;
   private stale = true;                              // what is to be seen is not drawn yet
-  private ahead = false;                             // it was drawn before the display asked for it
-  private vain = 0;                                  // drawings that will not be: one before was not shown
+  private readonly ahead = new Ahead();
   private readonly sharpness = new Sharpness(() => this.sharpen());
   private answered = 0;
   private fitted = false;
@@ -136,20 +134,7 @@ export class Scene {
     this.colour();
     this.request();
     // Once all have taken the frame.
-    if (this.drawer.early && !this.ahead && this.vain === 0) queueMicrotask(() => this.drawAhead());
-  }
-
-  private drawAhead(): void {
-    if (this.ahead) return;
-    this.ahead = true;
-    this.paint();
-  }
-
-  /** Where frames come faster than they are shown, what is drawn ahead is often drawn in vain. */
-  private countVain(): void {
-    if (this.ahead && this.stale) this.vain = VAIN;
-    else if (this.vain > 0) this.vain -= 1;
-    this.ahead = false;
+    if (this.drawer.early && this.ahead.wants()) queueMicrotask(() => this.paint());
   }
 
   private paint(): void {
@@ -295,7 +280,7 @@ export class Scene {
   private draw(): void {
     if (this.asked) this.sharpness.begin(performance.now(), this.answered > 0 || this.view.moving);
     this.asked = false;
-    this.countVain();
+    this.ahead.turn();
     this.paint();
     this.labels.place(this.view, this.width, this.height, this.shared.scale.value);
     if (this.answered) this.app.tell("drawn", this.answered);

@@ -1,6 +1,5 @@
 // One place of the hand for each turn of the display: of two answers within a turn nobody would see the first.
 
-const GRACE = 4;    // ms after a turn in which a newer place may come, until one that waits is sent
 const LONGEST = 50; // ms without a turn, as where the page is not shown, after which none is waited for
 
 export class Turns {
@@ -29,6 +28,6 @@ export class Turns {
 
   private turn(): void {
     this.free = true;
-    if (this.waiting) setTimeout(() => { if (this.free) this.flush(); }, GRACE);
+    this.flush();
   }
 }
