@@ -22,12 +22,14 @@ class FromPage(BaseModel):
 
     Args:
         id: its number, which answers name.
+        shown: frames that the page has taken since its message before; for the server.
     """
 
     # Models are built as the first message is read, after the first frame was shown.
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, defer_build=True)
 
     id: Number
+    shown: Number = 0
 
 
 class EventMessage(FromPage):

@@ -41,9 +41,11 @@ def checked(text: str) -> Table:
         raise BadMessage("this is not JSON") from error
     if not isinstance(message, dict):
         raise BadMessage("a message is an object")
-    number, kind = message.get("id"), message.get("type")
+    number, kind, shown = message.get("id"), message.get("type"), message.get("shown", 0)
     if type(number) is not int or not 0 < number < LARGEST_ID:
         raise BadMessage("a message has a number `id`")
+    if type(shown) is not int or not 0 <= shown < LARGEST_ID:
+        raise BadMessage("`shown` is a number of frames", number)
     if kind not in PASSED_ON and kind not in OWN:
         raise BadMessage("there is no message of this type", number)
     return message

@@ -54,9 +54,9 @@ class Page:
         while len(self._texts) > MOST_TEXTS // 2 and not self._socket.closed:
             await asyncio.sleep(0.01)
 
-    def shown(self) -> None:
-        """It has taken a frame."""
-        self._in_hand = max((self._in_hand or 0) - 1, 0)
+    def shown(self, count: int) -> None:
+        """It has taken so many frames."""
+        self._in_hand = max((self._in_hand or 0) - count, 0)
         self.wake()
 
     async def send_all(self) -> None:

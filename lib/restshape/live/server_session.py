@@ -10,6 +10,7 @@ from typing import Any
 
 from restshape.live.link import ENDED_BY_HAND, LinkClosed
 from restshape.live.server_link import ServerLink
+from restshape.live.script_news import ScriptNews
 from restshape.live.server_messages import OWN, BadMessage, checked, refused
 from restshape.live.server_pages import REPLACED, Page, Pages
 from restshape.live.server_process import SimulatingProcess
@@ -47,6 +48,7 @@ class LiveSession:
 
     def __init__(self, process: SimulatingProcess) -> None:
         self.state, self.pages, self.failure = ShownState(), Pages(), ""
+        self._news = ScriptNews(self.pages.say)
         self._process = process
         self._waiting, self._work = Waiting(), WorkInProgress()
         self._asked: OrderedDict[int, Page] = OrderedDict()
@@ -132,7 +134,7 @@ class LiveSession:
         if kind == "written":
             self._process.write(said["lines"], said["count"])
             self._work.written(said.get("id", 0))
-            self.pages.say(message)
+            self._news.add(said)
             return
         if kind == "resting":
             self._process.resting = said["line"]
@@ -149,6 +151,8 @@ class LiveSession:
             self.pages.say(message)
 
     def _greet_all(self) -> None:
+        # A greeting has the whole script.
+        self._news.forget()
         for page in self.pages:
             self._greet(page)
 
@@ -163,6 +167,7 @@ class LiveSession:
 
     async def join(self, page: Page) -> None:
         """A page has opened."""
+        self._news.say()
         before = self.pages.join(page)
         self._greet(page)
         if before:
@@ -186,9 +191,11 @@ class LiveSession:
             page.say(refused(error.number, error.what))
             return
         kind, number = message["type"], message["id"]
+        if shown := message.get("shown", kind == "shown"):
+            page.shown(shown)
         if kind == "shown":
-            page.shown()
-        elif kind == "hand":
+            return
+        if kind == "hand":
             self._ask(page, number)
         elif self.pages.hand is not page:
             page.say(refused(number, ELSEWHERE if self.pages.hand else FREE, TAKE_IT if self.pages.hand else ""))

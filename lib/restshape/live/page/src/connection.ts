@@ -14,6 +14,7 @@ export interface Listener {
 }
 
 const QUIET = 20_000; // ms without a word of the server, which says one every 5 s, after which the socket counts as lost
+const TAKEN = 20; // ms after which the server is told of frames that were taken, where no other message says so before
 const AGAIN = 500; // ms until the first try to connect again; each further one waits longer
 const LONGEST = 5_000;
 const ENDED = 1001; // code of a socket that was closed because the session has ended in order
@@ -24,6 +25,8 @@ export class Connection {
   private id = 1_000 * Date.now(); // so that numbers grow from page to page, and none comes twice
   private wait = AGAIN;
   private heard = 0;
+  private taken = 0; // frames of which the server was not told yet
+  private telling = 0;
   private timer = 0;
 
   constructor(private readonly listener: Listener) {
@@ -38,7 +41,9 @@ export class Connection {
   send(asked: Asked): number {
     if (this.socket?.readyState !== WebSocket.OPEN) return 0;
     this.id += 1;
-    this.socket.send(JSON.stringify({ ...asked, id: this.id }));
+    const { taken } = this;
+    this.taken = 0;
+    this.socket.send(JSON.stringify(taken ? { ...asked, id: this.id, shown: taken } : { ...asked, id: this.id }));
     return this.id;
   }
 
@@ -50,6 +55,7 @@ export class Connection {
     const socket = new WebSocket(address);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
+    this.taken = 0;
     this.heard = performance.now();
     socket.onopen = () => { this.wait = AGAIN; this.listener.connected(true); };
     socket.onclose = (event) => { if (this.socket === socket) this.lost(event.code); };
@@ -64,8 +70,18 @@ export class Connection {
     const length = new DataView(bytes).getUint32(0, true);
     const header = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length))) as FrameMessage;
     this.listener.frame(header, bytes, 4 + length);
-    // The server sends no further frames to a page that is busy with those it has.
-    this.send({ type: "shown" });
+    // The server sends no further frames to a page that is busy with those it has. Most often the hand's next place says so.
+    this.taken += 1;
+    if (this.taken > 1) this.tell();
+    else {
+      clearTimeout(this.telling);
+      this.telling = window.setTimeout(() => this.tell(), TAKEN);
+    }
+  }
+
+  private tell(): void {
+    clearTimeout(this.telling);
+    if (this.taken) this.send({ type: "shown" });
   }
 
   private lost(code: number): void {

@@ -3,8 +3,8 @@
 /** An event of edit scripts; places in metres. */
 export interface ScriptEvent { do: string; [key: string]: unknown; }
 
-/** From the page. `id` counts its messages; answers and frames name it. */
-export type FromPage =
+/** From the page. `id` counts its messages; answers and frames name it. `shown`: frames that were taken since its message before. */
+export type FromPage = { shown?: number } & (
   | { type: "event"; id: number; event: ScriptEvent; latest?: boolean; gesture?: number } // latest: replaces one that waits; gesture: undone with those of the same number
   | { type: "show"; id: number; field?: string; predict?: "none" | "linear" | "gmls"; marks?: boolean }
   | { type: "rates"; id: number; of: string }                             // sensitivity before the press
@@ -19,7 +19,7 @@ export type FromPage =
   | { type: "cancel"; id: number }
   | { type: "restart"; id: number }
   | { type: "hand"; id: number }                                          // a looker asks for the hand; answered by "role", or "refused"
-  | { type: "shown"; id: number };                                        // a frame has been taken; says the connection itself
+  | { type: "shown"; id: number });                                       // frames have been taken; says the connection itself
 
 export interface FieldInfo { name: string; label: string; unit: string; signed: boolean; fromZero: boolean; }
 export interface NumberInfo {                                              // a slider, or a number to type
