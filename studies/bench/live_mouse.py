@@ -1,4 +1,4 @@
-"""A mouse on a page of Chromium, by its protocol alone: what drives a measured page is to take little of the processor."""
+"""A mouse on a page of Chromium, by its protocol alone: it takes little of the processor that is measured."""
 
 from __future__ import annotations
 

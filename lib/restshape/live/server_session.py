@@ -9,8 +9,8 @@ from contextlib import suppress
 from typing import Any
 
 from restshape.live.link import ENDED_BY_HAND, LinkClosed
-from restshape.live.server_link import ServerLink
 from restshape.live.script_news import ScriptNews
+from restshape.live.server_link import ServerLink
 from restshape.live.server_messages import OWN, BadMessage, checked, refused
 from restshape.live.server_pages import REPLACED, Page, Pages
 from restshape.live.server_process import SimulatingProcess
