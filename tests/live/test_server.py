@@ -125,15 +125,15 @@ def test_frames_are_not_queued_for_a_page_that_is_busy_with_others(tmp_path):
     run(tmp_path, story)
 
 
-def test_what_a_script_gains_within_a_moment_is_told_together(tmp_path):
+def test_what_a_script_gains_within_a_moment_is_reported_together(tmp_path):
     async def story(server: Served) -> None:
         page = await server.page()
         await page.until("frame")
         for _ in range(40):
             await page.until("done", id=await page.do("wait", seconds=0.0))
-        while not (told := [one for one in page.texts if one["type"] == "written"]) or told[-1]["count"] < 40:
+        while not (heard := [one for one in page.texts if one["type"] == "written"]) or heard[-1]["count"] < 40:
             await page.hear()
-        assert sum(one["lines"].count("\n") for one in told) == 40 and len(told) < 20
+        assert sum(one["lines"].count("\n") for one in heard) == 40 and len(heard) < 20
 
     run(tmp_path, story)
 
