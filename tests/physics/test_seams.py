@@ -384,6 +384,16 @@ def test_a_strip_whose_own_ends_are_sewn_together_keeps_its_weight_meanwhile(tmp
     assert parts == [1.0]
 
 
+def test_an_upright_strip_is_sewn_to_a_tube_that_hangs_by_a_corner(tmp_path):
+    """Its energy is that of the strip laid double, whose middle hangs half a diagonal below the pin: no crumples."""
+    upright = '[start]\nturn = ["90 deg", 0, 0]\n[quantities]\nsum = { energy = "potential" }\n'
+    one = TUBE.replace('["a", "d"]', '"d"')
+    text = head("cloth") + block(0.5, 0.2) + COTTON.format(kind="morley", bending=5e-6) + one + upright + meshed(0.04)
+    row = first_frame(write_scene(tmp_path, text)).row
+    assert row["converged"] == 1 and row["max_strain"] < 0.05 and row["seam_gap"] < 1e-3
+    assert row["q_sum"] < 1.1 * 500 * 0.3e-3 * 9.81 * 0.1 * (0.2 - np.hypot(0.25, 0.2) / 2)
+
+
 FLAT = 'stitched = "flat"'
 EDITS = {
     "edges": ("from", "top", ('from = "left"', 'from = "top"')),

@@ -11,6 +11,7 @@ from restshape.errors import UserError
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene
 from restshape.scene.source import suggestion
+from restshape.scene.space_values import number
 from restshape.scene.values import Number, Strict, Whole, number_of
 
 OF_EACH_CASE = ("bending", "ranges", "suggestions")
@@ -65,6 +66,13 @@ class Gravity(Strict):
     """
 
     g: Annotated[list[number_of("acceleration")], Field(min_length=3, max_length=3)] = [0.0, 0.0, -9.80665]
+
+    def resolve(self, scene: Scene) -> ResolvedSettings:
+        """The same, with a doubt where it does not press the piece on its floor."""
+        g = [number(one, scene.parameters) for one in self.g]
+        odd = g[2] >= 0.0 and any(g)
+        why = "it does not press on the floor; g = [0, 0, -9.81] points down" if odd else ""
+        return ResolvedSettings(self, why, warns=odd)
 
 
 class Push(Strict):
@@ -124,8 +132,8 @@ class Guide(Strict):
         from restshape.guidance.force_space import forecast
 
         most = forecast(8 * len(scene.planks), self.freedoms)
-        number, seconds = f"{most.combinations:,}", f"{most.seconds:.3g} s"
-        why = f"up to {number} combinations of {self.freedoms} freedoms, nominally {seconds} a search"
+        tried, seconds = f"{most.combinations:,}", f"{most.seconds:.3g} s"
+        why = f"up to {tried} combinations of {self.freedoms} freedoms, nominally {seconds} a search"
         return ResolvedSettings(self, why, warns=True)
 
 

@@ -80,6 +80,46 @@ def test_a_thickness_in_metres_is_asked_about(tmp_path, keys, words):
     assert warning.startswith(words)
 
 
+def test_planks_in_millimetres_without_a_unit_are_asked_about(tmp_path):
+    path = tmp_path / "bench.toml"
+    given = {"t": '"30 mm"', "thickness": '"30 mm"', "fastener": "dowel", "spacing": '"40 mm"'}
+    text = BENCH.format(**given).replace("width = [0, 0.3, 0]", 'width = [0, "t*10", 0]', 1)
+    for old, new, words in [
+        ("width = [0, 0.3, 0]", "width = [0, 300, 0]", "planks.left.width: a length without a unit is in metres"),
+        (
+            "from = [0.5, 0, 0]",
+            "from = [500, 0, 0]",
+            "planks.right.from: a length without a unit is in metres, and 500 m",
+        ),
+        ("from = [0.5, 0, 0]", 'from = ["12 m", 0, 0]', ""),
+        ("[planks.left]", '[weights.books]\non = "seat"\nmass = 2000\n[planks.left]', "weights.books.mass: a mass"),
+        ("[planks.left]", '[weights.books]\non = "seat"\nmass = "2000 kg"\n[planks.left]', ""),
+    ]:
+        path.write_text(text.replace(old, new, 1))
+        scene = load_scene(path)
+        found = odd_values(scene, piece_of(scene))
+        assert [one.startswith(words) for one in found] == [True] * bool(words), (new, found)
+
+
+def test_fasteners_in_edges_of_less_than_twice_their_diameter_are_warned_of(tmp_path):
+    (warning,) = warned(tmp_path, thickness='"15.9 mm"')
+    assert (
+        warning.startswith("planks.left: a 'dowel' of 8 mm goes into an edge of 15.9 mm") and "16 mm or more" in warning
+    )
+    assert warned(tmp_path, thickness='"16 mm"') == []
+
+
+@pytest.mark.parametrize(
+    ("g", "odd"), [("[0, 0, 9.81]", 1), ("[0, -9.81, 0]", 1), ("[0, 1, -9.7]", 0), ("[0, 0, 0]", 0)]
+)
+def test_gravity_that_does_not_press_on_the_floor_is_warned_of(tmp_path, g, odd):
+    path = tmp_path / "bench.toml"
+    text = BENCH.format(t='"30 mm"', thickness='"30 mm"', fastener="dowel", spacing='"40 mm"')
+    path.write_text(text + f"[effects.gravity]\ng = {g}\n")
+    warnings = plan(load_scene(path), application("furniture")).warnings
+    assert len(warnings) == odd and all("points down" in one for one in warnings)
+
+
 def test_a_thickness_with_its_unit_or_of_less_than_a_metre_is_not(tmp_path):
     assert warned(tmp_path, thickness='"1.2 m"') == [] == warned(tmp_path, thickness="0.02")
 

@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
 from restshape.fem.observer import Observer, area_at, reduction
 from restshape.mesh.mesh import Mesh
+from restshape.physics.cloth.cloth_boundary import ClothDirichlet
 from restshape.physics.cloth.drape_shadow import DrapeShadow
 from restshape.scene.model import Quantity
 
@@ -19,10 +20,11 @@ class ObservedCloth(Protocol):
     """What quantities need of cloth.
 
     Attributes:
-        mesh: of its corners.
+        mesh: of its corners; boundary: what supports hold of its nodes.
     """
 
     mesh: Mesh
+    boundary: ClothDirichlet
 
     def corners(self, x: np.ndarray) -> np.ndarray:
         """Positions (corners, 3) [m] of the mesh's nodes."""
@@ -60,10 +62,10 @@ def of_places(quantities: Mapping[str, Quantity]) -> bool:
 
 
 def reactions(problem: ObservedCloth, x: np.ndarray) -> np.ndarray:
-    """Forces (corners, 3) [N] of supports on the nodes at x (n, 3)."""
+    """Forces (corners, 3) [N] of supports on the nodes at x (n, 3); 0 along what none of them holds."""
     out = np.empty_like(x)
     problem.unconstrained_residual(x, out)
-    return problem.corners(out)
+    return problem.corners(np.where(problem.boundary.mask, out, 0.0))
 
 
 def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from contextlib import nullcontext
 
 import numpy as np
 
@@ -25,6 +26,9 @@ STILL, PATIENCE = 0.95, 3
 """A round in which the widest seam closes by less does not get on; after so many of them in a row seams pull harder."""
 LIGHT = 0.05
 """Part of the weight while seams close."""
+FAR, THICK = 0.25, 0.03
+"""A sheet whose own edges are farther apart than that share of its size bends meanwhile like a plate whose thickness is
+such a share of it: limp cloth would crumple in its plane, and catch on itself, before it bends to a tube."""
 
 
 Gaps = Mapping[str, tuple[Seam, float]]
@@ -62,10 +66,13 @@ def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Con
     catches at once.
     """
     seams = solver.problem.seams
-    if seams and seams.gap(solver.problem.corners(x)) > WIDE * seams.edge_length:
+    gap = seams.gap(solver.problem.corners(x)) if seams else 0.0
+    if seams and gap > WIDE * seams.edge_length:
         # A strip whose own ends are sewn together gets out of its plane by its weight.
-        panels = solver.problem.mesh.cell_piece.any()
-        with solver.problem.lightened(LIGHT if panels else 1.0):
+        problem, panels = solver.problem, solver.problem.mesh.cell_piece.any()
+        rolled = not panels and gap > FAR * problem.size
+        stiff = problem.stiffened(THICK) if rolled else nullcontext()
+        with problem.lightened(LIGHT if panels else 1.0), stiff:
             _close(solver, seams, x, most, report)
 
 
