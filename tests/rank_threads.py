@@ -39,6 +39,9 @@ class World:
         self.ranks.barrier.wait()
         return found
 
+    def Allgatherv(self, given, out):
+        out[0][...] = np.concatenate(self.allgather(np.array(given)))
+
     def gather(self, given):
         found = self.allgather(given)
         return None if self.rank else found

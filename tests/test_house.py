@@ -163,7 +163,7 @@ APPLICATION = re.compile(
 """What names an application, of which some have the names of what mechanics speaks of."""
 OF_ALL = {
     *("test_browser_drags.py", "test_examples.py", "test_house.py"),
-    *("test_layers.py", "test_recordings.py", "test_words.py"),
+    *("test_layers.py", "test_ranks_in_time.py", "test_recordings.py", "test_words.py"),
 }
 """Tests of what goes over all applications."""
 
@@ -191,8 +191,8 @@ def test_elements_are_symbols():
 
 
 CLASSES = ("analysis", "mesh", "fem", "shape")
-CAPABILITIES = {"Differentiable", "Extreme"}
-"""What functions of a state can do besides: it is asked of them."""
+CAPABILITIES = {"Differentiable", "Extreme", "RowOperation"}
+"""What functions of a state, and operations, can do besides: it is asked of them."""
 
 
 @pytest.mark.slow

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from counted_replays import begin_log
 from petsc4py import PETSc
+from rank_threads import Ranks
 from scipy.sparse import diags
 from scipy.sparse.linalg import splu
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
-from restshape.analysis.correction import DELAY, MOST, conjugate_steps, gathered, largest_values
+from restshape.analysis.correction import DELAY, MOST, RowOperation, conjugate_steps, largest_values
 from restshape.analysis.time_error import StepMatrix
 from restshape.replay.event_counts import EventCounts
 
@@ -104,12 +105,32 @@ def test_steps_that_are_not_enough_give_no_number():
     assert np.isnan(largest_values(np.full((3, 3), np.nan), np.eye(3), 2)).tolist() == [True, True]
 
 
+def test_ranks_take_the_steps_of_their_own_rows():
+    """Of operations whose rows ranks share: the same solution, whole on each rank, and no whole array on the way."""
+    rng = np.random.default_rng(3)
+    values, rest = rng.uniform(1.0, 50.0, 30), rng.standard_normal(30)
+    whole = conjugate_steps(lambda d: values * d, lambda r: r, rest)
+
+    class Own(RowOperation):
+        def __init__(self, comm, factors):
+            super().__init__(None, slice(15 * comm.rank, 15 * comm.rank + 15), comm)
+            self.factors = factors
+
+        def own(self, r, n):
+            assert len(r) == 15 and n == 30
+            return self.factors[self.rows] * r
+
+    each = Ranks(2).run(lambda comm: conjugate_steps(Own(comm, values), Own(comm, np.ones(30)), rest))
+    np.testing.assert_array_equal(*each)
+    np.testing.assert_allclose(each[0], whole, rtol=1e-10)
+
+
 def test_products_with_petsc_stay_what_they_are():
     """A later product uses the same vectors, and changes neither an earlier one nor what either is of."""
     rng = np.random.default_rng(1)
     dense, once, again = rng.standard_normal((5, 5)), np.arange(5.0), rng.standard_normal(5)
     matrix = PETSc.Mat().createDense((5, 5), array=dense, comm=PETSc.COMM_SELF)
-    product = gathered(matrix.mult, slice(0, 5), PETSc.COMM_SELF)
+    product = RowOperation(matrix.mult, slice(0, 5), PETSc.COMM_SELF)
     products = [product(once), product(again), product(once)]
     np.testing.assert_allclose(products, [dense @ once, dense @ again, dense @ once], atol=1e-14)
     assert once.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]

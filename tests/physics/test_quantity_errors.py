@@ -326,13 +326,13 @@ def test_a_quantity_of_the_name_of_a_column_beside_another_is_refused(tmp_path, 
 def test_duals_of_a_drag_start_at_those_before(tmp_path, monkeypatch):
     """As good as from nothing, with no more applications of the preconditioner than the frames take."""
     steps = []
-    plain = quantity_errors.preconditioner
+    plain = quantity_errors.KeptOperation
 
     def counted(solver, rows):
         apply = plain(solver, rows)
         return lambda r: (steps.append(1), apply(r))[1]
 
-    monkeypatch.setattr(quantity_errors, "preconditioner", counted)
+    monkeypatch.setattr(quantity_errors, "KeptOperation", counted)
     script = scripted(tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.01 * k, 0.5) for k in range(1, 13)]))
     replay = make_replay(write_scene(tmp_path, LIMITED.replace("MAX", "error = true,")), script)
     frames = replay.frames()

@@ -8,8 +8,10 @@ from rank_threads import Ranks
 from small_scenes import HEAD, block, write_scene
 
 from restshape.fem import part_space
+from restshape.fem.problem import CONSISTENT
 from restshape.interface.first_frame import first_frame
 from restshape.mesh.reconnect import Reconnection
+from restshape.physics.elasticity.elasticity_quantities import MotionQuantities
 from restshape.physics.elasticity.plane_solid import PlaneSolid
 
 SCENE = f"""
@@ -120,3 +122,25 @@ def _shared(solid: PlaneSolid, comm) -> PlaneSolid:
 def test_small_meshes_stay_whole(tmp_path):
     analysis = first_frame(write_scene(tmp_path, SCENE), []).analysis
     assert _shared(whole(analysis), SimpleNamespace(rank=0, size=2)).shared is None
+
+
+@pytest.mark.parametrize("at", [None, "core"])
+def test_energies_of_motions(tmp_path, monkeypatch, at):
+    """Of the whole body and of a region: strain, kinetic and their sum are those of the whole."""
+    monkeypatch.setattr(part_space, "LEAST_SHARED", 0)
+    scene = SCENE.replace("nu = 0.3", "nu = 0.3\nrho = 1000").replace("nu = 0.2", "nu = 0.2\nrho = 3000")
+    analysis = first_frame(write_scene(tmp_path, scene), [FIRST]).analysis
+    cells = analysis.space.cells_of(at) if at else slice(None)
+    motion = SimpleNamespace(v=np.random.default_rng(2).standard_normal(analysis.x.shape))
+
+    def of(solid):
+        mass = solid.integrals(CONSISTENT)[0]
+        energy = MotionQuantities(solid, lambda v, some: mass.of(some).energies(v)).energy
+        return [energy("", kind, cells)(analysis.x, motion) for kind in ("strain", "kinetic", "total")]
+
+    strain, kinetic, total = one = of(whole(analysis))
+    assert total == pytest.approx(strain + kinetic) and min(one) > 0.0
+    for ranks in (2, 3):
+        each = Ranks(ranks).run(lambda comm: of(_shared(whole(analysis), comm)))
+        assert all(found == each[0] for found in each)
+        assert each[0] == pytest.approx(one, rel=1e-12)

@@ -12,7 +12,7 @@ from restshape.algebra.work_counts import linear_counts, linear_seconds, pencil_
 from restshape.analysis.buckling_comparison import load_factors_of
 from restshape.analysis.buckling_matrices import products
 from restshape.analysis.buckling_state import BucklingModes
-from restshape.analysis.correction import correction, largest_values, preconditioner
+from restshape.analysis.correction import KeptOperation, correction, largest_values
 from restshape.analysis.frequencies import largest_difference
 from restshape.analysis.steady import SteadyAnalysis
 from restshape.fem.problem import PrestressedProblem
@@ -151,7 +151,7 @@ class BucklingPrediction:
         stiff, loaded = products(problem, modes, u, state.sign)
         values = np.einsum("ki,ki->k", modes, loaded) / np.einsum("ki,ki->k", modes, stiff)
         lacking = loaded - values[:, None] * stiff
-        basis = np.concatenate([modes, list(map(preconditioner(solver, rows), lacking))])
+        basis = np.concatenate([modes, list(map(KeptOperation(solver, rows), lacking))])
         stiff, loaded = products(problem, basis, u, state.sign)
         found = largest_values(basis @ loaded.T, basis @ stiff.T, len(state.modes.load_factors))
         return largest_difference(state.modes.load_factors, np.sort(1.0 / found[found > 0.0]))

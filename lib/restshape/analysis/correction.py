@@ -1,12 +1,14 @@
 """What a prediction is away from the solution, found with the kept preconditioner."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.row_share import RowShare
 from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import Operation, stiffness_product, unconstrained_residual
 
@@ -38,7 +40,7 @@ def correction(
     rest = -unconstrained_residual(problem, x)
     problem.boundary.zero(rest)
     residual = rest.ravel()
-    whole = preconditioner(solver, rows)
+    whole = KeptOperation(solver, rows)
 
     def kept(r: np.ndarray) -> np.ndarray:
         on_step()
@@ -63,6 +65,8 @@ def conjugate_steps(
     left; several together are that distance some steps ago, but for the one that is left now. A factor of
     that very matrix takes one step more than the delay. Not a number where the most steps are not enough.
 
+    Where both are `RowOperation`s, ranks take the steps of their own rows alone; products are summed in their order.
+
     Args:
         product: of a symmetric positive definite matrix with (n,).
         precondition: about its inverse.
@@ -74,70 +78,111 @@ def conjugate_steps(
     Source: docs/theory/error-estimates.md; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and
     Tichy, Electron. Trans. Numer. Anal. 13 (2002) 56.
     """
-    found, gains = np.zeros_like(residual), []
-    step = precondition(residual)
-    weight = float(residual @ step)
-    for _ in range(MOST):
-        force = product(step)
-        stiffness = float(step @ force)
-        if not (weight > 0.0 and stiffness > 0.0):
-            break
-        length = weight / stiffness
-        found += length * step
-        residual = residual - length * force
-        gains.append(length * weight)
-        if sum(gains[-delay:]) <= enough * (known + sum(gains)):
-            break
-        z = precondition(residual)
-        weight, last = float(residual @ z), weight
-        step = z + weight / last * step
-    else:
-        return np.full_like(found, np.nan)
-    return found
+    if isinstance(product, RowOperation) and isinstance(precondition, RowOperation) and product.comm.size > 1:
+        # Each rank takes the steps of its own rows.
+        n, rows, share = len(residual), product.rows, RowShare(product.comm, product.rows, len(residual))
+        own = _Steps(lambda d: product.own(d, n), lambda r: precondition.own(r, n), share)
+        found = np.empty(n)
+        found[rows] = own(residual[rows], known, delay, enough)
+        return gather_vector(found, rows, product.comm)
+    return _Steps(product, precondition, None)(residual, known, delay, enough)
 
 
-def preconditioner(solver: LinearSolver, rows: slice) -> Operation:
-    """The preconditioner of the last solve, as it is, for arrays (n,) whole on every rank; rows: this rank's.
+@dataclass(frozen=True)
+class _Steps:
+    """Steps of conjugate gradients, of arrays that are whole, or of this rank's rows where ranks share them.
 
-    That of another number of unknowns is none: on a new mesh where nothing had to be solved for yet.
+    Args:
+        product, precondition: of such arrays; share: of the rows; None: they are whole.
     """
-    pc = solver.ksp.getPC()
-    kept = gathered(pc.apply, rows, solver.comm)
 
-    def apply(r: np.ndarray) -> np.ndarray:
-        return kept(r) if solver.kept.ready and solver.kept.size.unknowns == len(r) else r.copy()
+    product: Operation
+    precondition: Operation
+    share: RowShare | None
 
-    return apply
+    def __call__(self, residual: np.ndarray, known: float, delay: int, enough: float) -> np.ndarray:
+        """About the solution; see `conjugate_steps`."""
+        found, gains = np.zeros_like(residual), list[float]()
+        step = self.precondition(residual)
+        weight = self._dot(residual, step)
+        for _ in range(MOST):
+            force = self.product(step)
+            stiffness = self._dot(step, force)
+            if not (weight > 0.0 and stiffness > 0.0):
+                break
+            length = weight / stiffness
+            found += length * step
+            residual = residual - length * force
+            gains.append(length * weight)
+            if sum(gains[-delay:]) <= enough * (known + sum(gains)):
+                break
+            z = self.precondition(residual)
+            weight, last = self._dot(residual, z), weight
+            step = z + weight / last * step
+        else:
+            return np.full_like(found, np.nan)
+        return found
+
+    def _dot(self, a: np.ndarray, b: np.ndarray) -> float:
+        product = a @ b
+        return float(product if self.share is None else self.share.summed(np.float64(product)))
 
 
-def gathered(apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: PETSc.Comm) -> Operation:
-    """An operation on PETSc's vectors, such as a product with a matrix, for arrays (n,) whole on every rank.
+class RowOperation:
+    """An operation on PETSc's vectors, such as a product with a matrix, of which each rank has its own rows.
+
+    A call takes an array (n,) that is whole on every rank, and gives one; `own` takes and gives this rank's rows alone.
 
     Args:
         apply: from the first to the second vector.
         rows: this rank's.
         comm: of the vectors, which are made once: n is the same at each call.
     """
-    vectors: tuple[PETSc.Vec, ...] = ()
-    own: tuple[np.ndarray, ...] = ()
 
-    def whole(r: np.ndarray) -> np.ndarray:
-        nonlocal vectors, own
-        if not vectors:
-            count = rows.stop - rows.start
-            own = np.zeros(count), np.zeros(count)
-            vectors = tuple(PETSc.Vec().createWithArray(array, size=(count, len(r)), comm=comm) for array in own)
-        source, target = vectors
-        own[0][:] = r[rows]
-        source.stateIncrease()
-        apply(source, target)
-        if comm.size == 1:
-            return own[1].copy()
+    def __init__(self, apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: PETSc.Comm) -> None:
+        self.rows, self.comm, self._apply = rows, comm, apply
+        self._vectors: tuple[PETSc.Vec, ...] = ()
+        self._arrays: tuple[np.ndarray, ...] = ()
+
+    def __call__(self, r: np.ndarray) -> np.ndarray:
+        """The operation on r (n,), whole on every rank; collective."""
+        own = self.own(r[self.rows], len(r))
+        if self.comm.size == 1:
+            return own
         full = np.empty(len(r))
-        full[rows] = own[1]
-        return gather_vector(full, rows, comm)
+        full[self.rows] = own
+        return gather_vector(full, self.rows, self.comm)
 
-    return whole
+    def own(self, r: np.ndarray, n: int) -> np.ndarray:
+        """This rank's rows of the operation on an array (n,), of which r are this rank's rows; collective."""
+        if not self._vectors:
+            count = self.rows.stop - self.rows.start
+            self._arrays = np.zeros(count), np.zeros(count)
+            of = {"size": (count, n), "comm": self.comm}
+            self._vectors = tuple(PETSc.Vec().createWithArray(array, **of) for array in self._arrays)
+        source, target = self._vectors
+        self._arrays[0][:] = r
+        source.stateIncrease()
+        self._apply(source, target)
+        return self._arrays[1].copy()
+
+
+class KeptOperation(RowOperation):
+    """The preconditioner of the last solve, as it is.
+
+    That of another number of unknowns is none: on a new mesh where nothing had to be solved for yet.
+
+    Args:
+        solver: whose it is; rows: this rank's.
+    """
+
+    def __init__(self, solver: LinearSolver, rows: slice) -> None:
+        super().__init__(solver.ksp.getPC().apply, rows, solver.comm)
+        self._kept = solver.kept
+
+    def own(self, r: np.ndarray, n: int) -> np.ndarray:
+        """This rank's rows; see `RowOperation`."""
+        return super().own(r, n) if self._kept.ready and self._kept.size.unknowns == n else r.copy()
 
 
 def largest_values(a: np.ndarray, b: np.ndarray, count: int) -> np.ndarray:

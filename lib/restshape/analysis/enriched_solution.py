@@ -4,7 +4,7 @@ import numpy as np
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
-from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
+from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
 from restshape.analysis.linear_system import LinearSystem
 from restshape.fem.assembled import Assembled
 from restshape.fem.enrichment import Enrichment
@@ -60,7 +60,7 @@ class EnrichedSystem:
         diagonal = np.zeros(start.size)
         diagonal[system.rows] = matrix.getDiagonal().array
         gather_vector(diagonal, system.rows, system.comm)
-        product = gathered(matrix.mult, system.rows, system.comm)
+        product = RowOperation(matrix.mult, system.rows, system.comm)
         begun, left, known = self._begun(product, residual.ravel(), geometry)
         missing = begun + conjugate_steps(product, self._two_levels(diagonal, free), left, known)
         self._before = geometry, missing
@@ -97,7 +97,7 @@ class EnrichedSystem:
 
     def _two_levels(self, diagonal: np.ndarray, free: np.ndarray) -> Operation:
         """About the inverse of the richer matrix of this diagonal (m f,), for arrays (m f,); free (n, f)."""
-        kept = preconditioner(self._solver, self._coarse.rows)
+        kept = KeptOperation(self._solver, self._coarse.rows)
         up, down, boundary, free = self._up, self._down, self.enrichment.problem.boundary, free.ravel()
 
         def apply(r: np.ndarray) -> np.ndarray:

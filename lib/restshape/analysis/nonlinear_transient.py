@@ -11,7 +11,7 @@ from restshape.algebra.gathering import gather_matrix
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton import Newton
 from restshape.analysis.analysis import Context, RowValues
-from restshape.analysis.correction import preconditioner
+from restshape.analysis.correction import KeptOperation
 from restshape.analysis.equilibrium_search import least_scale, rounding
 from restshape.analysis.frame import Frame
 from restshape.analysis.motion_equations import MotionSystem
@@ -108,7 +108,7 @@ class NonlinearTransientAnalysis(TransientAnalysis):
 
     def _last_matrix(self) -> StepMatrix:
         """The matrix at the end of the last step, which is not assembled, nor need the factor be one like it."""
-        state, kept = self.state, preconditioner(self.solver, self.state.system.rows)
+        state, kept = self.state, KeptOperation(self.solver, self.state.system.rows)
         product = element_product(state.body, state.integration.scheme, state.now.y)
         return StepMatrix(product, kept, exact=False, complete=False)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
+from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
 from restshape.analysis.enriched_errors import EnrichedErrors
 from restshape.fem.derivative import Differentiable
 from restshape.fem.quantity_error import CurvedProblem, quantity_error
@@ -75,7 +75,7 @@ class SteadyQuantityErrors:
         that frames are what they are without it.
         """
         system, solver = self.analysis.state.system, self.analysis.solver
-        product = gathered(made(system.mat).mult, system.rows, system.comm)
+        product = RowOperation(made(system.mat).mult, system.rows, system.comm)
         on, before = self._duals.get(name, (None, rhs))
         residual, start = rhs.ravel(), np.zeros(rhs.size)
         known = 0.0
@@ -83,6 +83,6 @@ class SteadyQuantityErrors:
             start = before
             force = product(start)
             known, residual = float(start @ force), residual - force
-        found = start + conjugate_steps(product, preconditioner(solver, system.rows), residual, known)
+        found = start + conjugate_steps(product, KeptOperation(solver, system.rows), residual, known)
         self._duals[name] = (system, found)
         return found.reshape(rhs.shape)

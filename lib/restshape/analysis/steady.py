@@ -17,7 +17,7 @@ from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
 from restshape.analysis.beside import solution_beside
 from restshape.analysis.comparison import compared
-from restshape.analysis.correction import correction, gathered, preconditioner
+from restshape.analysis.correction import KeptOperation, RowOperation, correction
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
@@ -319,8 +319,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         if problem.boundary.mask.shape != state.x.shape:
             return None
         rows = state.system.rows
-        product = gathered(made(state.system.mat).mult, rows, self.context.comm)
-        matrix = StepMatrix(product, preconditioner(self.solver, rows), False, self.solver.kept.exact)
+        product = RowOperation(made(state.system.mat).mult, rows, self.context.comm)
+        matrix = StepMatrix(product, KeptOperation(self.solver, rows), False, self.solver.kept.exact)
         x = solution_beside(problem, state.problem, state.x, matrix)
         return problem.observer(self._observed_quantities(frame.scene.quantities))(x) if np.isfinite(x).all() else None
 

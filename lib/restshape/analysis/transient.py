@@ -15,7 +15,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
-from restshape.analysis.correction import gathered, preconditioner
+from restshape.analysis.correction import KeptOperation, RowOperation
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
@@ -323,8 +323,8 @@ class TransientAnalysis:
         """The matrix of the last step."""
         system, solver = self.state.system, self.solver
         if self._operations[0] is not system.mat:
-            product = gathered(system.mat.mult, system.rows, self.context.comm)
-            self._operations = (system.mat, product, preconditioner(solver, system.rows))
+            product = RowOperation(system.mat.mult, system.rows, self.context.comm)
+            self._operations = (system.mat, product, KeptOperation(solver, system.rows))
         exact = solver.factored or (solver.kept.complete and self._iterations <= NEAR)
         return StepMatrix(*self._operations[1:], exact, solver.kept.complete)
 
@@ -376,14 +376,16 @@ class TransientAnalysis:
         """Set up what depends on the mesh topology or on the scene's values, and bring the motion there."""
         before, integration = self.state, self.state.integration
         with self.context.stages("pattern"):
-            body = SemiDiscrete(self.make(scene, before.plan, mesh), integration.damping)
+            problem = self.make(scene, before.plan, mesh)
+            problem.share(self.context.comm)
+            body = SemiDiscrete(problem, integration.damping)
             if new_mesh:
                 system = self._make_system(body, integration)
                 increments = self._no_increments(body, system)
             else:
                 system, increments = before.system, made(before.bound).increments
                 system.bind(body, integration.scheme)
-        observer = body.problem.motion_observer(scene.quantities, body.mass)
+        observer = problem.motion_observer(scene.quantities, body.mass)
         self.state = replace(before, bound=BoundMotion(body, system, observer, increments))
         if before.bound is None:
             first = body.problem.initial() - body.problem.boundary.values

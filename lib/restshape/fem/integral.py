@@ -53,6 +53,14 @@ class Integral:
         """What only some elements need."""
         return self.coefficients, self.dofs
 
+    def of(self, cells: slice) -> "Integral":
+        """The integral over some of the entities, by reference; itself of all."""
+        if cells == slice(None):
+            return self
+        parameters = self.parameters[cells] if self.parameters.ndim > 1 else self.parameters
+        dofs = None if self.dofs is None else self.dofs[cells]
+        return replace(self, entities=self.entities[cells], parameters=parameters, dofs=dofs, block=None)
+
     def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
         """Add the residual at x (n, f) to `out` (n, f), of the entities (k,) int32 of a subset alone where given."""
         if self.factor == 1.0:

@@ -39,9 +39,9 @@ class MassMatrix:
         """M v (n, f) of nodal values v (n, f)."""
         return self._assembled.residual(v)
 
-    def energies(self, v: np.ndarray) -> np.ndarray:
-        """Kinetic energies (ne,) of the cells at the velocities v (n, f); they sum to half of v . M v."""
-        return self.integrals[0].energies(v)
+    def energies(self, v: np.ndarray, cells: slice = slice(None)) -> np.ndarray:
+        """Kinetic energies (m,) of some cells, or of all, at the velocities v (n, f): all sum to half of v . M v."""
+        return self.integrals[0].of(cells).energies(v)
 
     def momentum(self, v: np.ndarray) -> np.ndarray:
         """Linear momentum (f,) of the velocities v (n, f)."""

@@ -199,8 +199,8 @@ class Inertia(Protocol):
     def apply(self, v: np.ndarray) -> np.ndarray:
         """M v (n, f) of nodal values v (n, f)."""
 
-    def energies(self, v: np.ndarray) -> np.ndarray:
-        """Kinetic energies (ne,) of the cells at the rates v (n, f)."""
+    def energies(self, v: np.ndarray, cells: slice = slice(None)) -> np.ndarray:
+        """Kinetic energies (m,) of some cells, or of all, at the rates v (n, f)."""
 
 
 class TransientProblem(SteadyProblem, Protocol):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -18,7 +17,7 @@ from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.goal import Goal
 from restshape.physics.elasticity.nodal_stress import NodalStress
-from restshape.physics.elasticity.shared_solid import SharedSolid
+from restshape.physics.elasticity.shared_solid import KineticEnergies, SharedSolid
 from restshape.physics.elasticity.target_curves import CurveDistances, GoalDistance
 from restshape.scene.model import Quantity
 
@@ -98,6 +97,10 @@ class PlaneQuantities:
             raise UserError(
                 f"a solid in static equilibrium has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"'
             )
+        return self._strain(cells)
+
+    def _strain(self, cells: np.ndarray | slice) -> Function:
+        """The strain energy [J] of cells."""
         if self.solid.shared:
             return self.solid.shared.energy(cells)
         return lambda x, *_: self.solid.energies(x)[cells].sum()
@@ -151,10 +154,10 @@ class MotionQuantities(PlaneQuantities):
 
     Args:
         solid: on the space whose nodes are looked at.
-        kinetic: kinetic energies (ne,) [J] of the cells at velocities (n, 2) [m/s].
+        kinetic: of the cells.
     """
 
-    def __init__(self, solid: ObservedSolid, kinetic: Callable[[np.ndarray], np.ndarray]) -> None:
+    def __init__(self, solid: ObservedSolid, kinetic: KineticEnergies) -> None:
         super().__init__(solid)
         self.kinetic = kinetic
 
@@ -176,14 +179,20 @@ class MotionQuantities(PlaneQuantities):
 
     def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
-        strain, kinetic = self.solid.energies, self.kinetic
+        strain, kinetic = self._strain(cells), self._kinetic(cells)
         if kind in ("edit", "remesh") and not isinstance(cells, slice):
             raise UserError(f"{kind!r} energy is that of the whole body", f"quantities.{name}.at", "leave `at` out")
         functions: dict[str, Function] = {
-            "strain": lambda x, motion: strain(x)[cells].sum(),
-            "kinetic": lambda x, motion: kinetic(motion.v)[cells].sum(),
-            "total": lambda x, motion: strain(x)[cells].sum() + kinetic(motion.v)[cells].sum(),
+            "strain": strain,
+            "kinetic": kinetic,
+            "total": lambda x, motion: strain(x, motion) + kinetic(x, motion),
             "edit": lambda x, motion: motion.edit,
             "remesh": lambda x, motion: motion.remesh,
         }
         return functions[kind]
+
+    def _kinetic(self, cells: np.ndarray | slice) -> Function:
+        """The kinetic energy [J] of cells."""
+        if self.solid.shared:
+            return self.solid.shared.kinetic_energy(self.kinetic, cells)
+        return lambda x, motion: self.kinetic(motion.v, slice(None))[cells].sum()

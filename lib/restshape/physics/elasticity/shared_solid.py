@@ -17,6 +17,9 @@ from restshape.fem.space import Space
 from restshape.physics.elasticity.nodal_stress import NodalStress
 from restshape.physics.elasticity.stress import PlaneStresses
 
+KineticEnergies = Callable[[np.ndarray, slice], np.ndarray]
+"""Kinetic energies (m,) [J] of the cells of a slice at velocities (n, 2) [m/s]."""
+
 EXTREMES = ("max", "min", "absmax", "peak")
 """Reductions of stresses that ranks share: the extreme of their extremes."""
 
@@ -89,12 +92,21 @@ class SharedSolid:
 
         def energy(x: np.ndarray, *_: object) -> float:
             part = self.part
-            own, energies = part.space.own, part.energies(part.follow(x))
-            if not isinstance(cells, slice):
-                energies = energies[cells[(cells >= own.start) & (cells < own.stop)] - own.start]
-            return float(part.space.summed(energies.sum()))
+            return self._sum_in(cells, part.energies(part.follow(x)))
 
         return energy
+
+    def kinetic_energy(self, energies: KineticEnergies, cells: np.ndarray | slice) -> Function:
+        """The function of x (n, 2) [m] and a `Motion` that is the kinetic energy [J] of some cells, or of all."""
+        return lambda _, motion: self._sum_in(cells, energies(motion.v, self.part.space.own))
+
+    def _sum_in(self, cells: np.ndarray | slice, energies: np.ndarray) -> float:
+        """The sum over the ranks of the energies (s,) of their shares of the cells, of some cells or of all."""
+        space = self.part.space
+        if not isinstance(cells, slice):
+            own = space.own
+            energies = energies[cells[(cells >= own.start) & (cells < own.stop)] - own.start]
+        return float(space.summed(energies.sum()))
 
     def extreme(self, component: str, how: str, nodes: np.ndarray | slice, cells: np.ndarray) -> Function:
         """The function of x (n, 2) [m] that is an extreme of a recovered stress [Pa].

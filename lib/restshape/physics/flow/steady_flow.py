@@ -8,7 +8,7 @@ import numpy as np
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Context, RowValues
-from restshape.analysis.correction import preconditioner
+from restshape.analysis.correction import KeptOperation
 from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.analysis.steady_predictor import SteadyPredictor
@@ -91,7 +91,7 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
         """What the kept factor makes of a residual (n f,), by vectors that stay as long as there are as many rows."""
         key = self.solver, len(rest), self.state.system.rows
         if self._applied is None or self._applied[0] != key:
-            self._applied = key, preconditioner(self.solver, self.state.system.rows)
+            self._applied = key, KeptOperation(self.solver, self.state.system.rows)
         return self._applied[1](rest)
 
     def row(self) -> RowValues:

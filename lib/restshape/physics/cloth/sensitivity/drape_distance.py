@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.analysis.correction import conjugate_steps, gathered, preconditioner
+from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 
 Accuracy = tuple[int, float]
@@ -37,13 +37,13 @@ def stabilised_step(
     equations, rest = solver.equations, np.empty_like(x)
     solver.problem.residual(x, rest)
     matrix: PETSc.Mat = equations.mixed_tangent(x, tensions, True)
-    kept = preconditioner(solver.linear, equations.rows)
+    kept = KeptOperation(solver.linear, equations.rows)
 
     def precondition(r: np.ndarray) -> np.ndarray:
         on_step()
         return kept(r)
 
-    product = gathered(matrix.mult, equations.rows, solver.comm)
+    product = RowOperation(matrix.mult, equations.rows, solver.comm)
     delay, enough = accuracy
     return conjugate_steps(product, precondition, -rest.ravel(), delay=delay, enough=enough).reshape(x.shape)
 
