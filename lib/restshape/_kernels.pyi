@@ -74,6 +74,7 @@ __all__: list[str] = [
     "place_weights",
     "positive_mean_value",
     "pull_back",
+    "quadratic_stress",
     "rates_after",
     "recover_quadratic",
     "recover_space",
@@ -844,6 +845,13 @@ def pull_back(
     points: numpy.typing.NDArray[numpy.float64],
     stress: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def quadratic_stress(
+    X: numpy.typing.NDArray[numpy.float64],
+    x: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    params: numpy.typing.NDArray[numpy.float64],
+    points: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def rates_after(
     y: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     before: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sample_meshes import second_order, unit_box
 
 from restshape import _kernels
 
@@ -44,8 +45,25 @@ def test_it_is_what_the_element_gives(each):
     np.testing.assert_array_equal(energy, element.energy(X, x, cells, parameters))
 
 
+@pytest.mark.parametrize("each", [False, True])
+def test_stresses_of_second_order_are_what_the_element_gives(each):
+    """On curved sides, of more cells than are taken at once, inside them and at their corners."""
+    rng = np.random.default_rng(4)
+    X, cells, inner = unit_box(2, 3)
+    X, cells, _ = second_order(X, cells, inner, 0.02)
+    x = rng.normal(size=X.shape)
+    parameters = PARAMETERS * rng.uniform(0.5, 2.0, (len(cells), 1)) if each else PARAMETERS
+    points = np.vstack([_kernels.recovery_points(), [[0.0, 0.0], [1.0, 0.0]]])
+    element, expected = _kernels.Element("linear_elastic_tri6"), np.empty((len(cells), len(points), 4))
+    element.stress(X, x, cells, parameters, expected, points)
+    found = _kernels.quadratic_stress(X, x, cells, parameters, points)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+
+
 def test_what_does_not_fit_is_refused():
     X, cells = strip(np.random.default_rng(3))
+    with pytest.raises(ValueError, match=r"cells \(ne, 6\)"):
+        _kernels.quadratic_stress(X, np.zeros_like(X), cells, PARAMETERS, _kernels.recovery_points())
     for wrong in (cells + 1, cells - 1):
         with pytest.raises(ValueError, match="do not exist"):
             _kernels.triangle_stress(X, np.zeros_like(X), wrong, PARAMETERS, True)

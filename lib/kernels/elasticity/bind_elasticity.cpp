@@ -6,12 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "elasticity/quadratic_stress.hpp"
 #include "elasticity/triangle_stress.hpp"
 #include "fem/bounds.hpp"
 #include "fem/calls.hpp"
+#include "fem/element.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -71,22 +74,40 @@ py::array_t<double> thickness_stretch(const Reals& X, const Reals& u, const Ints
     return out;
 }
 
-std::pair<py::array_t<double>, py::array_t<double>> triangle_stress(const Reals& X, const Reals& x, const Ints& cells,
-                                                                    const Reals& params, bool plane_stress) {
+// Checks arguments of triangles with so many nodes, counts their stresses under the element's name, and returns how far
+// apart rows of parameters are.
+int checked_triangles(const Reals& X, const Reals& x, const Ints& cells, const Reals& params, int nodes) {
     const py::ssize_t n = X.ndim() == 2 && X.shape(1) == 2 ? X.shape(0) : 0, ne = cells.shape(0);
-    if (x.size() != 2 * n || cells.ndim() != 2 || cells.shape(1) != 3)
-        throw std::invalid_argument("X and x must be (n, 2), cells (ne, 3)");
+    if (x.size() != 2 * n || cells.ndim() != 2 || cells.shape(1) != nodes)
+        throw std::invalid_argument("X and x must be (n, 2), cells (ne, " + std::to_string(nodes) + ")");
     const bool each = params.ndim() == 2 && params.shape(0) == ne && params.shape(1) == 5;
     if (!each && (params.ndim() != 1 || params.size() != 5))
         throw std::invalid_argument("params must be (5,) or (ne, 5)");
     if (!restshape::all_within(cells.data(), cells.size(), n))
         throw std::invalid_argument("cells name nodes that do not exist");
-    static restshape::Tally& tally = restshape::tallies()["linear_elastic_tri3"];
-    tally.add(restshape::Purpose::stress, ne);
+    restshape::element("linear_elastic_tri" + std::to_string(nodes)).tally->add(restshape::Purpose::stress, ne);
+    return each ? 5 : 0;
+}
+
+std::pair<py::array_t<double>, py::array_t<double>> triangle_stress(const Reals& X, const Reals& x, const Ints& cells,
+                                                                    const Reals& params, bool plane_stress) {
+    const int stride = checked_triangles(X, x, cells, params, 3);
+    const py::ssize_t ne = cells.shape(0);
     py::array_t<double> stress({ne, py::ssize_t(4)}), energy(ne);
-    restshape::triangle_stress(X.data(), x.data(), cells.data(), ne, params.data(), each ? 5 : 0, plane_stress,
+    restshape::triangle_stress(X.data(), x.data(), cells.data(), ne, params.data(), stride, plane_stress,
                                stress.mutable_data(), energy.mutable_data());
     return {stress, energy};
+}
+
+py::array_t<double> quadratic_stress(const Reals& X, const Reals& x, const Ints& cells, const Reals& params,
+                                     const Reals& points) {
+    const int stride = checked_triangles(X, x, cells, params, 6);
+    if (points.ndim() != 2 || points.shape(1) != 2) throw std::invalid_argument("points must be (m, 2)");
+    const py::ssize_t ne = cells.shape(0), m = points.shape(0);
+    py::array_t<double> stress({ne, m, py::ssize_t(4)});
+    restshape::quadratic_stress(X.data(), x.data(), cells.data(), ne, params.data(), stride, points.data(), m,
+                                stress.mutable_data());
+    return stress;
 }
 
 py::array_t<double> von_mises(const Reals& stress) {
@@ -115,6 +136,10 @@ void bind_thickness(py::module_& m) {
           "Stresses (ne, 4), xx yy xy zz [Pa], and strain energies (ne,) [J] of triangles of first order at the "
           "displacement x (n, 2), as `linear_elastic_tri3` has them with params (5,) or (ne, 5); in plane stress zz is "
           "0.");
+    m.def("quadratic_stress", &quadratic_stress, py::arg("X").noconvert(), py::arg("x").noconvert(),
+          py::arg("cells").noconvert(), py::arg("params").noconvert(), py::arg("points").noconvert(),
+          "Stresses (ne, m, 4), xx yy xy zz [Pa], of triangles of second order at reference coordinates points (m, 2) "
+          "and the displacement x (n, 2), as `linear_elastic_tri6` has them with params (5,) or (ne, 5).");
     m.def("von_mises", &von_mises, py::arg("stress").noconvert(),
           "Equivalent stresses (n,) of plane states (n, 4): xx yy xy zz.");
 }

@@ -76,6 +76,19 @@ struct SolidElement : SolidParts<Shape> {
         Parts::set_forces_and_tangent(G, volume, P, Parts::body(p), r, K);
     }
 
+    // Stresses of small strains as of `stress`, likewise.
+    [[gnu::flatten]] static void packed_stress(const Pack* X, const Pack* x, const Pack* p, const double* xi, Pack* s) {
+        static_assert(dim == 2 && Law::linear, "for small strains in the plane");
+        Pack G[nodes][dim], H[dim][dim], S[dim][dim];
+        Shape::gradients_at(xi, X, G);
+        Parts::displacement_gradient(G, x, H);
+        stress_of(H, p, S);
+        s[0] = S[0][0];
+        s[1] = S[1][1];
+        s[2] = S[0][1];
+        s[3] = (H[0][0] + H[1][1]) * p[0];
+    }
+
     template <class SX, class Sx>
     static Common<SX, Sx> energy(const SX* X, const Sx* x, const double* p) {
         using R = Common<SX, Sx>;

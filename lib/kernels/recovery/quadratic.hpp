@@ -7,10 +7,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
 
+#include "fem/pack.hpp"
 #include "fem/shapes.hpp"
 
 namespace restshape {
@@ -26,7 +28,7 @@ class QuadraticPatchRecovery {
 
     void run(double* out) {
         gather();
-        for (Patch& p : patches_) factor(p), fit(p);
+        fit_all();
         spread();
         for (const Node& node : nodes_) {
             Eigen::Map<Value> value(out);
@@ -40,10 +42,11 @@ class QuadraticPatchRecovery {
 
  private:
     static constexpr int terms = 6, linear = 3;  // 1, x, y, xx, xy, yy
+    static constexpr double enough = 1e-9;       // share of a pivot that is left where samples determine its term
 
     // The cells around a corner.
     struct Patch {
-        double m[terms][terms] = {};
+        Pack m[terms] = {};  // the lower triangle in the first lanes
         Value b[terms] = {Value::Zero(), Value::Zero(), Value::Zero(),  // moments of the values, then the polynomial
                           Value::Zero(), Value::Zero(), Value::Zero()};
         int64_t balance = 0;  // 0 where cells go all the way around: each neighbour follows and precedes one
@@ -106,9 +109,75 @@ class QuadraticPatchRecovery {
     static void take(Patch& p, double x, double y, const Value& value) {
         double f[terms];
         monomials(x, y, f);
+        const Pack all = {f[0], f[1], f[2], f[3], f[4], f[5]};
         for (int i = 0; i < terms; ++i) {
-            for (int j = 0; j <= i; ++j) p.m[i][j] += f[i] * f[j];
+            p.m[i] += f[i] * all;
             p.b[i] += f[i] * value;
+        }
+    }
+
+    // Several patches at once, one a lane, where cells go all the way around; the others one by one.
+    void fit_all() {
+        std::vector<Patch*> whole;
+        for (Patch& p : patches_) {
+            if (p.balance == 0)
+                whole.push_back(&p);
+            else
+                factor(p), fit(p);
+        }
+        for (size_t first = 0; first < whole.size(); first += pack_lanes)
+            fit_packed(&whole[first], std::min<size_t>(pack_lanes, whole.size() - first));
+    }
+
+    // Those whose samples do not determine a quadratic polynomial are left to `factor`.
+    static void fit_packed(Patch* const* patches, size_t count) {
+        Pack m[terms][terms], b[terms][Value::SizeAtCompileTime];
+        for (int lane = 0; lane < pack_lanes; ++lane) {
+            // Lanes beyond the last patch repeat it.
+            const Patch& p = *patches[std::min<size_t>(lane, count - 1)];
+            for (int i = 0; i < terms; ++i) {
+                for (int j = 0; j <= i; ++j) m[i][j][lane] = p.m[i][j];
+                for (int c = 0; c < p.b[i].size(); ++c) b[i][c][lane] = p.b[i][c];
+            }
+        }
+        bool determined[pack_lanes];
+        factor_packed(m, determined);
+        for (int c = 0; c < Value::SizeAtCompileTime; ++c) {
+            for (int i = 0; i < terms; ++i) {
+                for (int j = 0; j < i; ++j) b[i][c] -= m[i][j] * b[j][c];
+                b[i][c] /= m[i][i];
+            }
+            for (int i = terms - 1; i >= 0; --i) {
+                for (int j = i + 1; j < terms; ++j) b[i][c] -= m[j][i] * b[j][c];
+                b[i][c] /= m[i][i];
+            }
+        }
+        for (size_t lane = 0; lane < count; ++lane) {
+            Patch& p = *patches[lane];
+            if (!determined[lane]) {
+                factor(p), fit(p);
+                continue;
+            }
+            for (int i = 0; i < terms; ++i)
+                for (int c = 0; c < p.b[i].size(); ++c) p.b[i][c] = b[i][c][lane];
+            p.quadratic = true;
+            p.rank = terms;
+        }
+    }
+
+    static void factor_packed(Pack (&m)[terms][terms], bool (&determined)[pack_lanes]) {
+        std::fill_n(determined, pack_lanes, true);
+        for (int rank = 0; rank < terms; ++rank) {
+            Pack* row = m[rank];
+            const Pack whole = row[rank];
+            for (int j = 0; j < rank; ++j) {
+                for (int k = 0; k < j; ++k) row[j] -= row[k] * m[j][k];
+                row[j] /= m[j][j];
+                row[rank] -= row[j] * row[j];
+            }
+            for (int lane = 0; lane < pack_lanes; ++lane)
+                determined[lane] = determined[lane] && row[rank][lane] > enough * whole[lane];
+            row[rank] = square_root(row[rank]);
         }
     }
 
@@ -117,14 +186,14 @@ class QuadraticPatchRecovery {
         const int wanted = p.balance == 0 ? terms : linear;
         int rank = 0;
         for (; rank < wanted; ++rank) {
-            double* row = p.m[rank];
+            Pack& row = p.m[rank];
             const double whole = row[rank];
             for (int j = 0; j < rank; ++j) {
                 for (int k = 0; k < j; ++k) row[j] -= row[k] * p.m[j][k];
                 row[j] /= p.m[j][j];
                 row[rank] -= row[j] * row[j];
             }
-            if (!(row[rank] > 1e-9 * whole)) break;
+            if (!(row[rank] > enough * whole)) break;
             row[rank] = std::sqrt(row[rank]);
         }
         p.quadratic = rank == terms;

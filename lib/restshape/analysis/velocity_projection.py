@@ -58,12 +58,15 @@ def _quadratic_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarr
     mesh = new.space
     points, weights = DEGREE_4
     values, slopes = quadratic_basis(points[:, 1:])
-    nodal = mesh.X[mesh.cells]
-    J = np.einsum("qia,eib->eqab", slopes, nodal)
-    weight = 0.5 * weights * (J[..., 0, 0] * J[..., 1, 1] - J[..., 0, 1] * J[..., 1, 0])
-    places = np.einsum("qi,eib->eqb", values, nodal)
+    ne = len(mesh.cells)
+    # Products of two matrices, a column for each cell and component: einsum takes four times as long.
+    nodal = mesh.X[mesh.cells].transpose(1, 0, 2).reshape(6, -1)
+    J = (slopes.transpose(0, 2, 1).reshape(-1, 6) @ nodal).reshape(-1, 2, ne, 2)
+    weight = 0.5 * weights * (J[:, 0, :, 0] * J[:, 1, :, 1] - J[:, 0, :, 1] * J[:, 1, :, 0]).T
+    places = (values @ nodal).reshape(-1, ne, 2).transpose(1, 0, 2)
     velocity = Transfer(old.space, places.reshape(-1, 2))(v).reshape(places.shape)
-    mass = weight * np.broadcast_to(new.params, (len(mesh.cells), 1))
-    share = np.einsum("qi,eq,eqb->eib", values, mass, velocity)
-    nodes = mesh.cells.ravel()
-    return np.column_stack([np.bincount(nodes, share[:, :, a].ravel(), len(mesh.X)) for a in (0, 1)])
+    mass = weight * np.broadcast_to(new.params, (ne, 1))
+    momenta = (mass[..., None] * velocity).transpose(1, 0, 2).reshape(len(weights), -1)
+    share = (values.T @ momenta).reshape(6, ne, 2)
+    nodes = mesh.cells.T.ravel()
+    return np.column_stack([np.bincount(nodes, share[..., a].ravel(), len(mesh.X)) for a in (0, 1)])

@@ -14,6 +14,8 @@ REFERENCE_NODES = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 
 
 ONE_LOOP = "linear_elastic_tri3"
 """The element of which `_kernels.triangle_stress` knows stress and energy."""
+SEVERAL_CELLS = "linear_elastic_tri6"
+"""That of which `_kernels.quadratic_stress` knows stresses of several cells at once."""
 
 
 class PlaneStresses:
@@ -85,6 +87,9 @@ class PlaneStresses:
 
     def _evaluate(self, x: np.ndarray, points: np.ndarray | None) -> np.ndarray:
         space = self.space
+        if self.element.name == SEVERAL_CELLS and points is not None:
+            x, points = np.ascontiguousarray(x), np.ascontiguousarray(points)
+            return _kernels.quadratic_stress(space.X, x, space.cells, self.parameters, points)
         out = np.empty((len(space.cells), 4) if points is None else (len(space.cells), len(points), 4))
         self.element.stress(space.X, x, space.cells, self.parameters, out, points)
         return out
