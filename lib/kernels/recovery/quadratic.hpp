@@ -46,7 +46,7 @@ class QuadraticPatchRecovery {
 
     // The cells around a corner.
     struct Patch {
-        Pack m[terms] = {};  // the lower triangle in the first lanes
+        Pack m[terms] = {};                                             // the lower triangle in the first lanes
         Value b[terms] = {Value::Zero(), Value::Zero(), Value::Zero(),  // moments of the values, then the polynomial
                           Value::Zero(), Value::Zero(), Value::Zero()};
         int64_t balance = 0;  // 0 where cells go all the way around: each neighbour follows and precedes one

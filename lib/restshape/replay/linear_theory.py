@@ -58,11 +58,11 @@ class LinearTheory:
         its nodes are apart, for which those that were farthest from each other are taken.
         """
         most = 2.0 * sqrt(u.shape[1]) * _kernels.largest_size(u)
-        first, last = self._ends
-        if len(X) <= max(self._ends) or most > LARGEST * _apart(X, first, last):
-            axis = int(np.ptp(X, axis=0).argmax())
-            first, last = self._ends = int(X[:, axis].argmin()), int(X[:, axis].argmax())
-        return most <= LARGEST * _apart(X, first, last)
+        if len(X) > max(self._ends) and most <= LARGEST * _apart(X, *self._ends):
+            return True
+        axis = int(np.ptp(X, axis=0).argmax())
+        self._ends = int(X[:, axis].argmin()), int(X[:, axis].argmax())
+        return most <= LARGEST * _apart(X, *self._ends)
 
     def summary(self) -> dict[str, object]:
         """For programs, where it was too large: the largest share, and its frame."""

@@ -69,10 +69,11 @@ class MeshJumps:
         if scene.solve.jumps and not self.wanted:
             what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
-        self._last: tuple[Scene | None, dict[str, float]] = (None, {})
+        self._last: tuple[Scene | None, RowValues] = (None, {})
         self._before: State[Problem] | None = None
         self._changed: tuple[Follower, MeshUpdate] | None = None
         self._topology: tuple[int, ...] = ()
+        self._layout: object = None
         self._incomparable = self._rebuilt = False
 
     def note(self, moving: Follower, mesh_update: MeshUpdate) -> None:
@@ -80,7 +81,9 @@ class MeshJumps:
         self._changed = (moving, mesh_update) if self.wanted and mesh_update.level > 1 else None
         self._before = self.analysis.state if self._changed else None
         self._rebuilt = mesh_update.old_mesh is not None
-        known, self._topology = self._topology, _topology(moving) if self.wanted else ()
+        known = self._topology
+        if self.wanted and moving.mesh.outline.layout is not self._layout:
+            self._layout, self._topology = moving.mesh.outline.layout, _topology(moving)
         self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
     def __call__(self, edit: ScriptFrame, row: RowValues, compare: bool) -> RowValues:
@@ -94,16 +97,19 @@ class MeshJumps:
             return {}
         if not compare:
             self._changed = None
-        values = {name: number(row, f"q_{name}") for name in edit.scene.quantities}
-        found = dict.fromkeys(values, np.nan)
+        last, self._last = self._last, (edit.scene, row)
+        found = dict.fromkeys(edit.scene.quantities, np.nan)
+        if self._changed is None and not self._incomparable:
+            return {jump_column(name): value for name, value in found.items()}
+        values = _quantities(edit.scene, row)
         others = self._others()
         if others:
             log.info("%4d Mesh jump: the same shape is solved on the other mesh, with nothing kept", edit.index)
         for other in others:
-            before = self._last[1] if self._last[0] is edit.scene else {}
+            before = _quantities(edit.scene, last[1]) if last[0] is edit.scene else {}
             if not other.before or before:
                 found |= self._jumps(edit.scene, other, before if other.before else values)
-        self._last, self._changed = (edit.scene, values), None
+        self._changed = None
         jumps: RowValues = {jump_column(name): value for name, value in found.items()}
         if self._incomparable and np.isnan(list(found.values())).all():
             jumps["note"] = "; ".join(filter(None, (text(row, "note"), OTHER_EDGES)))
@@ -139,6 +145,11 @@ class MeshJumps:
         # A load factor is infinite where nothing buckles.
         jumps = {name: sign * (found[name] - value) for name, value in known.items() if name in found}
         return {name: jump for name, jump in jumps.items() if np.isfinite(jump)}
+
+
+def _quantities(scene: Scene, row: RowValues) -> dict[str, float]:
+    """The quantities of a frame by their names."""
+    return {name: number(row, f"q_{name}") for name in scene.quantities}
 
 
 def _topology(moving: Follower) -> tuple[int, ...]:
