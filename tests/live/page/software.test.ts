@@ -8,6 +8,7 @@ import { Color } from "three";
 import { colourTable } from "../../../lib/restshape/live/page/src/draw/colour_maps";
 import { Depth } from "../../../lib/restshape/live/page/src/draw/software/depth";
 import { fillLit } from "../../../lib/restshape/live/page/src/draw/software/lit_triangles";
+import { LitPalette } from "../../../lib/restshape/live/page/src/draw/software/lit_palette";
 import { Palette, VALUES, type Tint } from "../../../lib/restshape/live/page/src/draw/software/palette";
 import { packed, Raster } from "../../../lib/restshape/live/page/src/draw/software/raster";
 import { dot, line } from "../../../lib/restshape/live/page/src/draw/software/strokes";
@@ -27,6 +28,12 @@ function raster(size: number): Raster {
 
 function palette(of: Tint): Palette {
   const made = new Palette();
+  made.make(of);
+  return made;
+}
+
+function lit(of: Tint): LitPalette {
+  const made = new LitPalette();
   made.make(of);
   return made;
 }
@@ -108,12 +115,12 @@ test("in space the nearer triangle and its lines are seen, whichever comes first
     const drawn = raster(40), depth = new Depth();
     depth.resize(40, 40);
     for (const first of order) {
-      fillLit(drawn, depth, { ...of, cells: Uint32Array.from([first, first + 1, first + 2]) }, { ...tint, body: first ? [0, 0, 200] : [200, 0, 0] });
+      fillLit(drawn, depth, { ...of, cells: Uint32Array.from([first, first + 1, first + 2]) }, lit({ ...tint, body: first ? [0, 0, 200] : [200, 0, 0] }), 0);
     }
-    // A face towards the eye has 0.42 + 0.38 + 0.2 * 0.66 of its colour.
-    assert.equal(drawn.pixels[10 * 40 + 10], packed(186, 0, 0));
+    // A face towards the eye has 0.42 + 0.38 + 0.2 * 0.66 of its colour, to a step of 255.
+    assert.equal(drawn.pixels[10 * 40 + 10], packed(187, 0, 0));
     line(drawn, 0, 5, 20, 5, 2, ink, { depth, from: 0.4, to: 0.4 });
-    assert.equal(drawn.pixels[5 * 40 + 10], packed(186, 0, 0));
+    assert.equal(drawn.pixels[5 * 40 + 10], packed(187, 0, 0));
     line(drawn, 0, 5, 20, 5, 2, ink, { depth, from: 0.1, to: 0.1 });
     assert.equal(drawn.pixels[5 * 40 + 10], packed(0, 0, 0));
   }
@@ -125,7 +132,7 @@ test("a face that reaches behind the eye is left out", () => {
   const of = { x: Float32Array.from([0, 40, 0]), y: Float32Array.from([0, 0, 40]), seen: new Float32Array(9).fill(-1), normals: null, cells };
   for (const nearest of [-Infinity, -0.5]) {
     const z = Float32Array.from([nearest, 0, 0]);
-    fillLit(drawn, depth, { ...of, z, shares: new Float32Array(3).fill(NaN), inCells: false, element: 0 }, tint);
+    fillLit(drawn, depth, { ...of, z, shares: new Float32Array(3).fill(NaN), inCells: false, element: 0 }, lit(tint), 0);
     assert.equal(drawn.pixels.some((pixel) => pixel !== GROUND), nearest > -1);
   }
 });

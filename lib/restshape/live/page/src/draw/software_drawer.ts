@@ -11,6 +11,7 @@ import { Segments } from "./segments";
 import type { Shared } from "./shared";
 import { Depth } from "./software/depth";
 import { fillLit } from "./software/lit_triangles";
+import { LitPalette } from "./software/lit_palette";
 import { Palette, VALUES, type Tint } from "./software/palette";
 import { NEAREST, Placed, turned } from "./software/placed";
 import { bytesOf, Raster } from "./software/raster";
@@ -28,6 +29,7 @@ export class SoftwareDrawer implements Drawer {
   private readonly raster = new Raster();
   private readonly depth = new Depth();
   private readonly palettes = new WeakMap<Surface, Palette>();
+  private readonly litPalettes = new WeakMap<Surface, LitPalette>();
   private readonly placed = new Placed();
   private ground = new Color();
   private shares = new Float32Array(0);
@@ -98,13 +100,8 @@ export class SoftwareDrawer implements Drawer {
     if (this.inSpace) {
       const sums = surface.sums();
       if (sums) this.normals = turned(sums, camera.matrixWorldInverse, this.normals);
-      fillLit(this.raster, this.depth, { ...filled, z, seen, normals: sums && this.normals }, tint);
-      return true;
-    }
-    let palette = this.palettes.get(surface);
-    if (!palette) this.palettes.set(surface, palette = new Palette());
-    palette.make(tint);
-    fill(this.raster, filled, palette);
+      fillLit(this.raster, this.depth, { ...filled, z, seen, normals: sums && this.normals }, made(this.litPalettes, surface, LitPalette, tint), tint.wire);
+    } else fill(this.raster, filled, made(this.palettes, surface, Palette, tint));
     return true;
   }
 
@@ -169,6 +166,14 @@ export class SoftwareDrawer implements Drawer {
     }
     return true;
   }
+}
+
+/** The palette of a surface, for a tint. */
+function made<P extends { make(tint: Tint, valued: boolean): void }>(all: WeakMap<Surface, P>, of: Surface, Kind: new () => P, tint: Tint): P {
+  let found = all.get(of);
+  if (!found) all.set(of, found = new Kind());
+  found.make(tint, of.hasValues && of.coloured.value > 0);
+  return found;
 }
 
 /** Surfaces first, and then by their order; those of the same order as they were made. */

@@ -69,9 +69,10 @@ function chosen(of: Float32Array, which: readonly number[]): Float32Array {
 }
 
 /** Those edges of a surface that belong to a target's triangles. */
-function rimOf(target: Target): number[] {
-  const nodes = new Set(numbersOf(target));
+function rimOf(target: Target): ArrayLike<number> {
   const edges = target.shown.starts;
+  if (!target.thing.triangles) return edges; // all of it
+  const nodes = new Set(numbersOf(target));
   const pairs: number[] = [];
   for (let i = 0; i < edges.length; i += 2) if (nodes.has(edges[i]!) && nodes.has(edges[i + 1]!)) pairs.push(edges[i]!, edges[i + 1]!);
   return pairs;

@@ -130,7 +130,7 @@ function rows(
 }
 
 /** The first pixel of so many whose middle lies behind a place. */
-function pixelAt(place: number, count: number): number {
+export function pixelAt(place: number, count: number): number {
   return place < 0 ? 0 : place >= count ? count : (place + 0.5) | 0;
 }
 
