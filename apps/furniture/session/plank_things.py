@@ -11,8 +11,8 @@ from restshape.live.grab_parts import Thing
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
 
-TRIANGLES = 12
-"""That show the box of a plank."""
+FACES = 6
+"""Of the box of a plank, each of two triangles: all first ones come before all second ones (`ShownTriangles.parts`)."""
 
 
 def plank_things(simulation: Simulation) -> list[Thing]:
@@ -20,7 +20,8 @@ def plank_things(simulation: Simulation) -> list[Thing]:
     boards = simulation.replay.solver.space
     planks = boards.frame.design.piece.planks
     parameters = get_args(Parameter)
+    starts = [(FACES * number, FACES * (len(planks) + number)) for number in range(len(planks))]
     return [
-        Thing(plank.name, "plank", ("press",), "shape", (), parameters, (TRIANGLES * number, TRIANGLES))
-        for number, plank in enumerate(planks)
+        Thing(plank.name, "plank", ("press",), "shape", (), parameters, [(start, FACES) for start in runs])
+        for plank, runs in zip(planks, starts)
     ]

@@ -27,7 +27,7 @@ class Thing:
         part: of the picture, which draws it.
         lines: names of the lines, or dots, that draw it; empty: those of its own name.
         parameters: that may be held in its stead.
-        triangles: the first of the part's triangles that draw it, and how many; None: all of it.
+        triangles: of the part's triangles those that draw it: for each run of them the first, and how many; empty: all.
     """
 
     name: str
@@ -36,12 +36,12 @@ class Thing:
     part: str
     lines: Sequence[str] = ()
     parameters: Sequence[str] = ()
-    triangles: tuple[int, int] | None = None
+    triangles: Sequence[tuple[int, int]] = ()
 
     def said(self) -> dict[str, object]:
         """What the page gets."""
         found: dict[str, object] = {"name": self.name, "role": self.role, "grabs": [*self.grabs], "part": self.part}
-        more = {"lines": [*self.lines], "parameters": [*self.parameters], "triangles": self.triangles}
+        more = {"lines": [*self.lines], "parameters": [*self.parameters], "triangles": [*self.triangles]}
         return found | {key: value for key, value in more.items() if value}
 
 

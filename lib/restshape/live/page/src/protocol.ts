@@ -31,7 +31,7 @@ export interface ThingInfo {                                               // wh
   grabs: ("press" | "pull")[]; part: string;                               // part that draws it
   parameters?: string[];                                                   // of a plank: "move x", "turn y", ...
   lines?: string[];                                                        // names of the lines, or dots, that draw it; else its own
-  triangles?: [number, number];                                            // first of the part's that draw it, how many; else all
+  triangles?: [number, number][];                                          // runs of the part's that draw it: the first, how many; else all
 }
 
 /** From the server as text. */

@@ -146,9 +146,10 @@ export class Targets {
       const here = all.filter((target) => target.shown === shown);
       const ranges = here.length ? here : [null]; // what cannot be held still hides what is behind
       for (const target of ranges) {
-        const [first, count] = target?.thing.triangles ?? [0, surface.cells.length / 3];
-        const { t } = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
-        if (t < best) [best, found] = [t, target];
+        for (const [first, count] of target?.thing.triangles ?? [[0, surface.cells.length / 3]] as const) {
+          const { t } = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
+          if (t < best) [best, found] = [t, target];
+        }
       }
     }
     if (!found) return null;
@@ -244,6 +245,7 @@ export function* numbersOf({ shown, dots, paths, thing }: Target): Generator<num
   yield* dots;
   for (const [begin, end] of paths) for (let i = begin; i < end; i += 1) yield i;
   if (!shown.surface) return;
-  const [first, count] = thing.triangles ?? [0, shown.surface.cells.length / 3];
-  for (let i = 3 * first; i < 3 * (first + count); i += 1) yield shown.surface.cells[i]!;
+  for (const [first, count] of thing.triangles ?? [[0, shown.surface.cells.length / 3]] as const) {
+    for (let i = 3 * first; i < 3 * (first + count); i += 1) yield shown.surface.cells[i]!;
+  }
 }

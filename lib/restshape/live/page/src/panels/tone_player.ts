@@ -5,6 +5,7 @@ import { partials, volumeGain } from "./tone_parameters";
 
 const ATTACK = 0.004;                                   // [s] in which a partial rises, so that it does not click
 const FADE = 0.03;                                      // [s] in which the tone before is taken away
+const SILENCE = 10_000;                                 // [ms] after the last tone, until the browser's sound is stopped: it takes time of the processor
 
 export class TonePlayer {
   private context: AudioContext | null = null;
@@ -12,6 +13,8 @@ export class TonePlayer {
   private sounding: GainNode | null = null;
   private volume = 0.7;
   private wanted = false;
+  private resting = false;                              // stopped in silence: the next tone lets it go on
+  private silence: ReturnType<typeof setTimeout> | undefined;
   muted = false;
 
   constructor() {
@@ -27,7 +30,7 @@ export class TonePlayer {
   }
 
   /** Whether the browser lets it sound. */
-  get ready(): boolean { return this.context?.state === "running"; }
+  get ready(): boolean { return this.resting || this.context?.state === "running"; }
 
   setVolume(volume: number): void {
     this.volume = volume;
@@ -37,13 +40,16 @@ export class TonePlayer {
   /** Plays a tone in place of the one that sounds. Gives whether it is heard. */
   play(tone: ToneMark): boolean {
     const { context, master } = this;
-    if (!context || !master || context.state !== "running" || this.muted) return false;
+    if (!context || !master || !this.ready || this.muted) return false;
+    if (this.resting) void context.resume();
+    this.resting = false;
     this.stop();
     const now = context.currentTime;
     const bus = new GainNode(context);
     bus.connect(master);
     this.sounding = bus;
-    for (const { frequency, gain, decay, seconds } of partials(tone)) {
+    const played = partials(tone);
+    for (const { frequency, gain, decay, seconds } of played) {
       const envelope = new GainNode(context, { gain: 0 });
       envelope.gain.setValueAtTime(0, now);
       envelope.gain.linearRampToValueAtTime(gain, now + ATTACK);
@@ -53,6 +59,7 @@ export class TonePlayer {
       source.start(now);
       source.stop(now + ATTACK + seconds);
     }
+    this.restAfter(1_000 * Math.max(0, ...played.map(({ seconds }) => seconds)) + SILENCE);
     return true;
   }
 
@@ -63,11 +70,22 @@ export class TonePlayer {
     setTimeout(() => before.disconnect(), 2000 * FADE);
   }
 
+  private restAfter(ms: number): void {
+    clearTimeout(this.silence);
+    this.silence = setTimeout(() => {
+      if (this.context?.state !== "running") return;
+      this.resting = true;
+      void this.context.suspend();
+    }, ms);
+  }
+
   private async wake(): Promise<void> {
+    if (this.resting) return;
     if (!this.context) {
       try { this.context = new AudioContext(); } catch { return; }
       this.master = new GainNode(this.context, { gain: volumeGain(this.volume) });
       this.master.connect(this.context.destination);
+      this.restAfter(SILENCE);
     }
     if (this.context.state === "suspended") await this.context.resume().catch(() => undefined);
   }
