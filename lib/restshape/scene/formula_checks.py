@@ -66,18 +66,27 @@ def _refuse_impossible(
         raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
 
 
+PLAIN = frozenset({str, int, float, bool, type(None)})
+"""Types of values in which there is no formula: most are of these, and scenes are looked through with each edit."""
+
+
 def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
     """All formulas of a model, each with its key."""
     if isinstance(value, Expression):
         yield key, value
-    elif isinstance(value, BaseModel):
+        return
+    for name, one in _within(value):
+        if type(one) not in PLAIN:
+            yield from formulas(one, (*key, name))
+
+
+def _within(value: object) -> Iterator[tuple[str, object]]:
+    """What a table, or a list, holds, with the keys."""
+    if isinstance(value, BaseModel):
         for name, field in type(value).model_fields.items():
-            yield from formulas(getattr(value, name), (*key, field.alias or name))
-        for name, extra in (value.model_extra or {}).items():
-            yield from formulas(extra, (*key, name))
+            yield field.alias or name, getattr(value, name)
+        yield from (value.model_extra or {}).items()
     elif isinstance(value, Mapping):
-        for name, one in value.items():
-            yield from formulas(one, (*key, str(name)))
+        yield from ((str(name), one) for name, one in value.items())
     elif isinstance(value, list | tuple):
-        for place, one in enumerate(value):
-            yield from formulas(one, (*key, str(place)))
+        yield from ((str(place), one) for place, one in enumerate(value))
