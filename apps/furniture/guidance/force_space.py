@@ -38,10 +38,12 @@ def durability_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
 
 
 def stability_space(furniture: Furniture, modes: DesignModes) -> ForceSpace:
-    """What holds the piece down in all cases, which must not be negative."""
+    """What holds the piece down in all cases, which must not be negative; nothing of cases that do not press at all."""
     found = [stability_derivative(furniture, modes.directions, case) for case in range(len(furniture.cases))]
     h = np.concatenate([values for values, _ in found])
-    K = np.ascontiguousarray(np.concatenate([change for _, change in found], axis=1))
+    K = np.concatenate([change for _, change in found], axis=1)
+    known = np.isfinite(h)
+    h, K = h[known], np.ascontiguousarray(K[:, known])
     return ForceSpace(K, h, np.minimum(h, 0.0), np.zeros_like(h), np.full_like(h, np.inf))
 
 

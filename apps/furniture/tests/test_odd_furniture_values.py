@@ -1,5 +1,7 @@
 """Values of furniture that are hardly meant: fasteners in each other, and thicknesses that lack their unit."""
 
+import warnings
+
 import pytest
 from restshape_apps.furniture.cli.check_planks import checked
 from restshape_apps.furniture.cli.plank_doubts import odd_values
@@ -116,8 +118,19 @@ def test_gravity_that_does_not_press_on_the_floor_is_warned_of(tmp_path, g, odd)
     path = tmp_path / "bench.toml"
     text = BENCH.format(t='"30 mm"', thickness='"30 mm"', fastener="dowel", spacing='"40 mm"')
     path.write_text(text + f"[effects.gravity]\ng = {g}\n")
-    warnings = plan(load_scene(path), application("furniture")).warnings
-    assert len(warnings) == odd and all("points down" in one for one in warnings)
+    found = plan(load_scene(path), application("furniture")).warnings
+    assert len(found) == odd and all("points down" in one for one in found)
+
+
+def test_suggestions_are_sought_where_no_load_presses_on_the_floor(tmp_path, capsys):
+    """Rows of stability, parts of that load, are no numbers: they are left out, and nothing warns."""
+    path = tmp_path / "bench.toml"
+    text = BENCH.format(t='"30 mm"', thickness='"30 mm"', fastener="dowel", spacing='"40 mm"')
+    path.write_text(text + "[effects.gravity]\ng = [0, -9.81, 0]\n")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert main(["replay", str(path)]) == 0
+    assert "falls under its weights" in "".join(capsys.readouterr())
 
 
 def test_a_thickness_with_its_unit_or_of_less_than_a_metre_is_not(tmp_path):
