@@ -38,7 +38,7 @@ def print_guidance(rows: Sequence[Mapping[str, Any]]) -> None:
     if ranges:
         heads = ("line", "parameter under the hand", "valid from where it was taken", "frames", "of them valid")
         cells = [
-            (line, name, _valid(text), len(inside), inside.count(1))
+            (line, name, _valid(text), len(inside), sum(one != 0 for one in inside))
             for (line, name, text), inside in _few(ranges).items()
         ]
         print_table("valid ranges", heads, cells, right=(heads[0], *heads[3:]))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from furniture_scenes import write_edits
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.guidance.amounts import along, amount, ends, in_words, named
 from restshape_apps.furniture.guidance.design import Design, Guidance, _distinct
 from restshape_apps.furniture.guidance.suggested import Suggestion
@@ -161,6 +162,31 @@ def test_a_replay_prints_ranges_as_they_were_listed_and_marks_open_ends(tmp_path
         assert (row["range_low"], row["range_high"]) == pytest.approx((low, high), abs=4e-6)
         assert row["ranges"].endswith(" or beyond")
     assert listed["beyond"] and high == pytest.approx(0.5 * drawn("table").size, rel=1e-6)
+
+
+ON_A_POST = """
+format = "restshape-scene"
+version = 1
+app = "furniture"
+[wood]
+thickness = "18 mm"
+[planks]
+base = { from = [-0.2, 0, 0.009], to = [0.2, 0, 0.009], width = [0, 0.4, 0] }
+post = { from = [0, 0, 0.018], to = [0, 0, 0.6], width = [0, 0.3, 0] }
+top = { from = [-0.3, 0, 0.609], to = [0.3, 0, 0.609], width = [0, 0.6, 0] }
+[effects.gravity]
+"""
+
+
+def test_frames_that_hold_farther_than_ranges_were_sampled_count_as_valid(tmp_path, capsys) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(ON_A_POST)
+    turn = {"do": "rotate", "on": "top", "by": "90 deg", "about": "z", "frames": 3}
+    rows = rows_of(make_replay(path, write_edits(tmp_path, turn, scene=path.name)))
+    assert [row["inside"] for row in rows[1:]] == [-1] * 3
+    print_guidance(rows)
+    (line,) = (one for one in capsys.readouterr().out.splitlines() if "top: turn z" in one)
+    assert line.split()[-2:] == ["3", "3"]
 
 
 def test_a_replay_says_why_there_are_no_suggestions(tmp_path) -> None:
