@@ -1,5 +1,7 @@
 """A rank that fails, or sees other files ends all of them, with one message and its exit code."""
 
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -51,3 +53,18 @@ def test_a_file_that_one_rank_does_not_see_is_named_with_the_rank(tmp_path, outs
     write_scene(tmp_path / "rank-0", plate(0.2), "a.toml")
     done = run_on_two(tmp_path, outside, "apart", "replay", "a.toml")
     assert done.returncode == 2 and done.stderr.count("on rank 1: ") == 1 and "a.toml" in done.stderr
+
+
+@pytest.mark.weekly
+@pytest.mark.parametrize("count", ["0", "-1"])
+def test_no_ranks(tmp_path, outside, count):
+    """Open MPI starts as many ranks as there are cores, others refuse it; in no case is a scene replayed twice."""
+    scene = write_scene(tmp_path, plate(0.2))
+    command = ["mpiexec", "-n", count, sys.executable, "-m", "restshape", "replay", str(scene), "--json", "a.json"]
+    done = subprocess.run(command, cwd=tmp_path, env=outside, capture_output=True, text=True, timeout=120)
+    assert "Traceback" not in done.stderr
+    if done.returncode:
+        assert done.stderr.strip() and not (tmp_path / "a.json").exists()
+    else:
+        found = json.loads((tmp_path / "a.json").read_text())
+        assert 1 <= found["ranks"] <= os.cpu_count() and done.stdout.count(" frames, ") <= 1

@@ -1,4 +1,4 @@
-"""What a rank looks at of a space that all ranks have whole: its share of the cells, and the cells around them."""
+"""What is looked at of a large space: few cells, or a rank's share of them, and the cells around them."""
 
 from __future__ import annotations
 
@@ -22,32 +22,27 @@ def pays(comm: PETSc.Comm, space: Space) -> bool:
     return comm.size > 1 and len(space.cells) >= LEAST_SHARED and space.dofs is space.cells
 
 
-class PartSpace:
-    """A rank's share of the cells, and two rings around it, with nodes that are numbered by themselves.
+class CellPatch:
+    """Some cells of a space, and two rings around them, with nodes that are numbered by themselves.
 
-    The share are consecutive cells, as many on each rank. The rings hold what recovery at its nodes reads: a node at a
-    border takes the mean of the polynomials of nodes next to it, which take the cells around them. Nodes and cells
-    keep their order, so that what is recovered at nodes of the share is what the whole space gives, bit for bit.
+    The rings hold what recovery at the nodes of the cells reads: a node at a border takes the mean of the polynomials
+    of nodes next to it, which take the cells around them. Nodes and cells keep their order, so that what is recovered
+    at these nodes is what the whole space gives, bit for bit.
 
     Args:
-        comm: PETSc communicator of the ranks.
-        space: whole on each of them; its nodes may move. After flips another part is made.
+        space: whole; its nodes may move. After flips another patch is made.
+        own: the cells, ascending numbers (s,) or a slice of all.
 
     Attributes:
-        nodes: (k,) numbers in the space; own: the cells of the share among all; share: the same among `cells`.
+        nodes: (k,) numbers in the space; own: as it is given; share: the same cells among `cells`.
         chosen: (m,) int32 cells in the space, ascending.
-        X, cells, cell_region, topology, geometry, dim, cell_type: as of a space, of this part.
+        X, cells, cell_region, topology, geometry, dim, cell_type: as of a space, of this patch.
     """
 
-    def __init__(self, comm: PETSc.Comm, space: Space) -> None:
-        self.space, self.sums = space, RowShare(comm, slice(0, 0), 0)
-        count, size = len(space.cells), comm.size
-        self.own = slice(count * comm.rank // size, count * (comm.rank + 1) // size)
-        self.chosen = cells_around(space, self._nodes_of(cells_around(space, self._nodes_of(self.own))))
-        if self.own.stop == self.own.start:
-            self.chosen = np.empty(0, dtype=np.int32)
-        first = int(np.searchsorted(self.chosen, self.own.start))
-        self.share = slice(first, first + self.own.stop - self.own.start)
+    def __init__(self, space: Space, own: np.ndarray | slice) -> None:
+        self.space, self.own = space, own
+        self.chosen = cells_around(space, self._nodes_of(cells_around(space, self._nodes_of(own))))
+        self.share = self._share(own)
         self.nodes = self._nodes_of(self.chosen)
         number = np.zeros(len(space.X), dtype=np.int32)
         number[self.nodes] = np.arange(len(self.nodes), dtype=np.int32)
@@ -56,6 +51,15 @@ class PartSpace:
         self.dim, self.cell_type = space.dim, space.cell_type
         self.topology, self.geometry = space.topology, space.geometry
         self.X = space.X[self.nodes]
+
+    def _share(self, own: np.ndarray | slice) -> np.ndarray | slice:
+        """The own cells among the chosen ones."""
+        if not isinstance(own, slice):
+            return np.searchsorted(self.chosen, own)
+        if own.stop == own.start:
+            self.chosen = np.empty(0, dtype=np.int32)
+        first = int(np.searchsorted(self.chosen, own.start))
+        return slice(first, first + own.stop - own.start)
 
     @property
     def fits(self) -> bool:
@@ -72,11 +76,28 @@ class PartSpace:
         """Parameters (m, p) of its cells, from those (ne, p) of all, or (p,) the same everywhere."""
         return parameters[self.chosen] if parameters.ndim > 1 else parameters
 
-    def summed(self, values: np.ndarray) -> np.ndarray:
-        """The sum of values (k,) over the ranks, in their order; collective."""
-        return self.sums.summed(values)
-
     def _nodes_of(self, cells: np.ndarray | slice) -> np.ndarray:
         on = np.zeros(len(self.space.X), dtype=bool)
         on[self.space.cells[cells]] = True
         return np.flatnonzero(on).astype(np.int32)
+
+
+class PartSpace(CellPatch):
+    """A rank's share of the cells, and two rings around it. The share are consecutive cells, as many on each rank.
+
+    Args:
+        comm: PETSc communicator of the ranks.
+        space: whole on each of them; its nodes may move. After flips another part is made.
+    """
+
+    own: slice
+    share: slice
+
+    def __init__(self, comm: PETSc.Comm, space: Space) -> None:
+        self.sums = RowShare(comm, slice(0, 0), 0)
+        count, size = len(space.cells), comm.size
+        super().__init__(space, slice(count * comm.rank // size, count * (comm.rank + 1) // size))
+
+    def summed(self, values: np.ndarray) -> np.ndarray:
+        """The sum of values (k,) over the ranks, in their order; collective."""
+        return self.sums.summed(values)

@@ -16,8 +16,10 @@ from restshape.fem.problem import STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.goal import Goal
+from restshape.physics.elasticity.local_stress import at_few, local_stress
 from restshape.physics.elasticity.nodal_stress import NodalStress
 from restshape.physics.elasticity.shared_solid import KineticEnergies, SharedSolid
+from restshape.physics.elasticity.stress import PlaneStresses
 from restshape.physics.elasticity.target_curves import CurveDistances, GoalDistance
 from restshape.scene.model import Quantity
 
@@ -26,11 +28,13 @@ class ObservedSolid(SteadyProblem, Protocol):
     """What quantities need of a solid in the plane beside a problem.
 
     Attributes:
-        nodal_stress: of the nodes.
+        nodal_stress: of the nodes; stresses: of the cells; stiffness_params: of the cells.
         shared: what ranks observe together; None: each of them observes the whole.
     """
 
     nodal_stress: NodalStress
+    stresses: PlaneStresses
+    stiffness_params: np.ndarray
     shared: SharedSolid | None
 
     def energies(self, x: np.ndarray) -> np.ndarray:
@@ -119,6 +123,8 @@ class PlaneQuantities:
         cells = self.space.cells_of(quantity.at) if quantity.at else np.empty(0, dtype=np.int32)
         if self.solid.shared:
             return self.solid.shared.extreme(component, str(quantity.reduce), nodes, cells)
+        if not isinstance(nodes, slice) and at_few(self.solid, nodes):
+            return local_stress(self.solid, quantity, nodes, cells)
         rows = nodal.recovery.rows(nodes, cells)
         reduce = reduction(self.space, quantity, nodal.recovery.nodes[rows])
         return lambda x, *_: reduce(nodal.component(component, x)[rows])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from petsc4py import PETSc
@@ -12,7 +12,7 @@ from restshape import _kernels
 from restshape.fem.error_estimate import Flux, RecoveryEstimate, SharedRecovery
 from restshape.fem.integral import Integral
 from restshape.fem.observer import REDUCTIONS, Function
-from restshape.fem.part_space import PartSpace
+from restshape.fem.part_space import CellPatch, PartSpace
 from restshape.fem.space import Space
 from restshape.physics.elasticity.nodal_stress import NodalStress
 from restshape.physics.elasticity.stress import PlaneStresses
@@ -37,14 +37,17 @@ class WholeSolid(Protocol):
     linear: bool
 
 
-class SolidPart:
-    """The part of a solid that a rank observes, on one topology.
+P = TypeVar("P", bound=CellPatch)
+
+
+class SolidPart(Generic[P]):
+    """The part of a solid that is observed by itself, as by a rank, on one topology.
 
     Args:
-        solid: whole; space: the rank's part of its space.
+        solid: whole; space: the part of its space.
     """
 
-    def __init__(self, solid: WholeSolid, space: PartSpace) -> None:
+    def __init__(self, solid: WholeSolid, space: P) -> None:
         whole = solid.stresses
         self.solid, self.space, self._known = solid, space, solid.stiffness_params
         parameters = space.of_cells(self._known)
@@ -78,10 +81,10 @@ class SharedSolid:
 
     def __init__(self, comm: PETSc.Comm, solid: WholeSolid) -> None:
         self.comm, self.solid = comm, solid
-        self._part: SolidPart | None = None
+        self._part: SolidPart[PartSpace] | None = None
 
     @property
-    def part(self) -> SolidPart:
+    def part(self) -> SolidPart[PartSpace]:
         """This rank's, on the cells as they are now."""
         if self._part is None or not self._part.space.fits:
             self._part = SolidPart(self.solid, PartSpace(self.comm, self.solid.space))
@@ -116,13 +119,13 @@ class SharedSolid:
             nodes: at which it is taken; cells: whose regions' stress counts, those of all where there are none.
         """
         reduce, worst = REDUCTIONS[how], min if how == "min" else max
-        rows: tuple[SolidPart | None, np.ndarray] = (None, np.empty(0, dtype=int))
+        rows: tuple[SolidPart[PartSpace] | None, np.ndarray] = (None, np.empty(0, dtype=int))
 
         def extreme(x: np.ndarray, *_: object) -> float:
             nonlocal rows
             part = self.part
             if rows[0] is not part:
-                rows = (part, _rows(part, nodes, self.solid.space.cell_region[cells]))
+                rows = (part, rows_at(part, nodes, self.solid.space.cell_region[cells]))
             values = part.nodal_stress.component(component, part.follow(x))[rows[1]]
             found = reduce(values) if len(values) else None
             each = self.comm.tompi4py().allgather(found)
@@ -142,7 +145,7 @@ def _worst(values: list[float], worst: Callable[[list[float]], float]) -> float:
     return float("nan") if not values or np.isnan(values).any() else worst(values)
 
 
-def _rows(part: SolidPart, nodes: np.ndarray | slice, regions: np.ndarray) -> np.ndarray:
+def rows_at(part: SolidPart[P], nodes: np.ndarray | slice, regions: np.ndarray) -> np.ndarray:
     """Rows (k,) of a part's recovery that are at nodes of its share, among these nodes, as regions see them."""
     recovery, space = part.nodal_stress.recovery, part.space
     chosen = np.zeros(len(recovery.nodes), dtype=bool)
