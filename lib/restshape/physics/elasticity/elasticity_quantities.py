@@ -1,5 +1,7 @@
 """Quantities of interest of plane solids: functions of the displacement, and of the motion."""
 
+# More than 15 modules: quantities of all kinds meet here, each kind of a module of its own.
+
 from __future__ import annotations
 
 from typing import Protocol
