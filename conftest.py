@@ -85,6 +85,14 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.ranks)
 
 
+def pytest_configure() -> None:
+    """Leave random examples to their strategies: reading constants from all modules takes longer than the examples."""
+    from hypothesis.internal.conjecture import providers
+
+    if hasattr(providers, "_get_local_constants") and hasattr(providers, "_local_constants"):
+        providers._get_local_constants = lambda: providers._local_constants
+
+
 def pytest_collection_finish() -> None:
     """Leave what tests are made of, and what they have imported, out of the collections of garbage to come."""
     gc.collect()

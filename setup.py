@@ -37,7 +37,9 @@ CHECKED = (*SANITIZERS, "-Dflatten=unused", "--param", "asan-instrumentation-wit
 """With checks in every line, functions that take in all that they call compile for minutes: here they do not."""
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
 PRECOMPILED = "precompiled.hpp"
-"""Header of the library's module that is compiled once: what it includes takes half of the time of most files."""
+"""Header of the bindings of the library's module, compiled once: what it includes takes half of the time of most."""
+INTRINSICS = str(KERNELS / "intrinsics.hpp")
+"""What other files begin with: in each file that includes pybind11 the compiler makes code of it for 5 s."""
 
 
 def petsc_root() -> tuple[str, str]:
@@ -176,7 +178,7 @@ def application_extensions() -> list[Pybind11Extension]:
             f"restshape_apps.{folder.parent.name}._kernels",
             sources_in(folder),
             include_dirs=[str(folder), str(KERNELS)],
-            extra_compile_args=[*compile_flags(), *system_headers(None), "-include", str(KERNELS / "intrinsics.hpp")],
+            extra_compile_args=[*compile_flags(), *system_headers(None), "-include", INTRINSICS],
             extra_link_args=list(SANITIZERS) if sanitized() else [],
             cxx_std=17,
         )
@@ -221,9 +223,19 @@ def stale(built: Path, *others: Path) -> bool:
         return True
 
 
+def binds(source: str) -> bool:
+    """Whether a file makes functions known to Python."""
+    return "#include <pybind11/" in Path(source).read_text()
+
+
+def beginning(source: str, words: list[str]) -> list[str]:
+    """The options of a module for one of its files: without the header of the bindings unless it is one of them."""
+    return words if binds(source) else [INTRINSICS if word == PRECOMPILED else word for word in words]
+
+
 def duration(source: str) -> tuple[bool, int]:
     """Orders sources by how long they compile: bindings take longest, and more of them longer."""
-    return Path(source).name.startswith("bind"), os.path.getsize(source)
+    return binds(source), os.path.getsize(source)
 
 
 class BuildKernels(build_ext):
@@ -240,9 +252,11 @@ class BuildKernels(build_ext):
         os.environ.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")
         todo = []
         for extension in self.extensions:
-            options = self.precompile(extension, note_options(extension))
+            note = note_options(extension)
+            header = self.precompile(extension, note)
             objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
-            todo += [(extension, source) for source, built in objects.items() if stale(built, *options)]
+            others = {source: [note, *(header if binds(source) else ())] for source in objects}
+            todo += [(extension, source) for source, built in objects.items() if stale(built, *others[source])]
             extension.sources, extension.depends = [], [str(built) for built in objects.values()]
             extension.extra_objects = extension.depends
         todo.sort(key=lambda job: duration(job[1]), reverse=True)
@@ -252,10 +266,10 @@ class BuildKernels(build_ext):
         super().build_extensions()
 
     def precompile(self, extension: Pybind11Extension, options: Path) -> list[Path]:
-        """Compiles the header of a module that has one, if it is stale; what all objects of the module depend on."""
+        """Compiles the header of a module that has one, if it is stale; what its bindings depend on."""
         words = extension.extra_compile_args
         if PRECOMPILED not in words:
-            return [options]
+            return []
         built, own = BUILD / extension.name / f"{PRECOMPILED}.gch", words.index(PRECOMPILED)
         if stale(built, options):
             sys.stdout.write(f"{PRECOMPILED}\n")
@@ -267,7 +281,7 @@ class BuildKernels(build_ext):
             # Newer setuptools have a compiler of its own for C++, with which the files are compiled, too.
             compiler = getattr(self.compiler, "compiler_so_cxx", None) or self.compiler.compiler_so
             self.spawn([*compiler, *places, *made])
-        return [options, built]
+        return [built]
 
     def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
         """Compiles one file, and has the compiler note what it reads."""
@@ -279,7 +293,7 @@ class BuildKernels(build_ext):
             output_dir=self.build_temp,
             macros=extension.define_macros,
             include_dirs=extension.include_dirs,
-            extra_postargs=[*extension.extra_compile_args, "-MMD"],
+            extra_postargs=[*beginning(source, extension.extra_compile_args), "-MMD"],
         )
 
 

@@ -351,7 +351,7 @@ friction = 0.3
 @pytest.mark.parametrize(("centre", "begins"), [(-0.05, ""), (-0.03, "10"), (0.0, "40")])
 def test_cloth_that_begins_inside_a_body_is_reported(tmp_path, centre, begins):
     scene = cloth(
-        tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.08", "effects.drape.steps=60")
+        tmp_path, CONTACT, TABLE.replace("CENTRE", str(centre)), overrides=("mesh.size=0.12", "effects.drape.steps=12")
     )
     row = solved(scene).row()
     assert ("begins" in row["note"]) == bool(begins)
