@@ -145,7 +145,7 @@ def test_what_is_not_converged_says_so(tmp_path):
 @pytest.mark.slow
 def test_anchors_go_with_their_body(tmp_path):
     """Cloth that sticks to a ball goes along with it, wherever it goes."""
-    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.15", "effects.cloth.bending=hinge"))
+    scene = cloth(tmp_path, BALL, CONTACT, overrides=("mesh.size=0.2", "effects.cloth.bending=hinge"))
     rough = revise(scene, "bodies.ball.friction", 5.0)
     found = solved(rough)
     # Points of triangles bear the load beside corners.
@@ -153,11 +153,11 @@ def test_anchors_go_with_their_body(tmp_path):
     before = contact.place(found.problem.corners(found.x)).copy()
     touching = contact.history.limits[0] > 0.0
     assert touching.any()
-    aside = revise(rough, "bodies.ball.sphere.center", [0.55, 0.5, -0.3])
+    aside = revise(rough, "bodies.ball.sphere.center", [0.52, 0.5, -0.3])
     found.solve(Frame(mesh, NONE, None, aside, (None, (0.0, 0.0))))
     assert found.state.report.converged
     way = contact.place(found.problem.corners(found.x)) - before
-    np.testing.assert_allclose(way[touching].mean(axis=0), [0.05, 0.0, 0.0], atol=2e-3)
+    np.testing.assert_allclose(way[touching].mean(axis=0), [0.02, 0.0, 0.0], atol=1e-3)
 
 
 @pytest.mark.parametrize("radius", [0.24, 0.26])

@@ -205,7 +205,9 @@ def test_columns_are_those_of_nested_meshes_alone(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text", [cloth(), HANGING], ids=["on a ball", "hanging"])
+@pytest.mark.parametrize(
+    "text", [pytest.param(cloth(), marks=pytest.mark.weekly), HANGING], ids=["on a ball", "hanging"]
+)
 def test_without_estimates_frames_are_the_same_and_less_is_said_of_them(tmp_path, text):
     """With flips, a new mesh and a rest on the way: what is left out of frames changes none of those that follow."""
     events = far((0.21, 0.1), (0.6, 0.3), rest=3, frames=14)

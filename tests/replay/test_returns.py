@@ -45,17 +45,18 @@ SHAPES = (
 )
 
 
-@pytest.fixture
-def replay(tmp_path):
+@pytest.fixture(scope="module")
+def replay(tmp_path_factory):
     """Makes replays of the square of cotton on a ball."""
+    folder = tmp_path_factory.mktemp("returns")
 
     def made(events, overrides=COARSE, name="auto", most=None, predict="none") -> Replay:
-        path = write_cloth(tmp_path, CONTACT, BALL.replace('"half"', "0.5"))
+        path = write_cloth(folder, CONTACT, BALL.replace('"half"', "0.5"))
         head = {"format": "restshape-edits", "version": 1, "scene": path.name, "units": "m"}
         lines = [head, *({"t": 0.1 * k} | event for k, event in enumerate(events, 1))]
-        (tmp_path / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)))
+        (folder / "edits.jsonl").write_text("\n".join(map(json.dumps, lines)))
         scene = load_scene(path, overrides)
-        script = load_script(tmp_path / "edits.jsonl", scene)
+        script = load_script(folder / "edits.jsonl", scene)
         request = Request(scene, script, application_of(scene), policy(name), Calibration.load(), predict=predict)
         found = Replay(request, PETSc.COMM_SELF)
         if most is not None:
@@ -87,8 +88,15 @@ def same(one: dict, other: dict) -> bool:
     )
 
 
-def test_undo_and_redo_bring_back_cloth_and_friction_without_a_step(replay):
-    frames = seen(replay(THERE_AND_BACK))
+@pytest.fixture(scope="module")
+def there_and_back(replay):
+    """The frames of a way there and back, and the bytes that are kept at its end."""
+    full = replay(THERE_AND_BACK)
+    return seen(full), full.solver.returns.nbytes
+
+
+def test_undo_and_redo_bring_back_cloth_and_friction_without_a_step(there_and_back):
+    frames, _ = there_and_back
     start, dragged, grown = frames[0], frames[5], frames[7]
     assert not same(start, dragged) and not same(dragged, grown)
     for frame, known in zip(frames[8:], (dragged, start, dragged, grown, grown)):
@@ -124,10 +132,8 @@ def test_what_follows_an_undo_does_not_hang_on_what_was_undone(replay):
     assert same(*ends) and ends[0]["pc_age"] == ends[1]["pc_age"]
 
 
-def test_memory_is_bounded_and_the_oldest_go_first(replay):
-    full = replay(THERE_AND_BACK)
-    seen(full)
-    most = full.solver.returns.nbytes - 1
+def test_memory_is_bounded_and_the_oldest_go_first(replay, there_and_back):
+    most = there_and_back[1] - 1
     found = replay(THERE_AND_BACK, most=most)
     frames = seen(found)
     assert 0 < found.solver.returns.nbytes <= most

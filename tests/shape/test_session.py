@@ -281,7 +281,7 @@ NAMES = ("a", "b", "c", "d", "window", "window.v1", "window.2", "top", "bottom",
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.lists(st.one_of(gestures(NAMES, place), single_edits(NAMES, place)), min_size=1, max_size=8))
 def test_no_edit_leaves_an_invalid_shape(tmp_path, edits):
     events = [event for part in edits for event in part]
