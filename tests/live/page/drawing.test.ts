@@ -112,7 +112,13 @@ test("the outline goes with the border of the mesh", () => {
   const points = Float32Array.from([0, 0, 0, 2, 0, 0, 2, 1, 0]);
   const shifts = Float32Array.from([0, 0, 0, 0, 2, 0, 0, 4, 0]);
   const found = new Float32Array(9);
-  follow(found, Float32Array.from([0.5, 0, 0, 2, 0.25, 0, 0, 0.8, 0]), Uint32Array.from([0, 1, 1, 2]), points, shifts, 2.2);
+  const pieces = new Uint32Array(3), places = Float32Array.from([0.5, 0, 0, 2, 0.25, 0, 0, 0.8, 0]);
+  const look = (): void => follow(found, places, Uint32Array.from([0, 1, 1, 2]), points, shifts, 2.2, pieces);
+  look();
+  const first = found.slice();
+  look();
+  assert.deepEqual([...found], [...first]);
+  assert.deepEqual([...pieces.subarray(0, 2)], [0, 1]);
   close(found, [0, 0.5, 0, 0, 2.5, 0, 0, 0, 0]);
 });
 

@@ -26,6 +26,7 @@ export interface Shown {
   shifts: Float32Array;
   starts: Uint32Array;
   names: readonly string[];
+  pieces: Uint32Array;                               // of the shape's border that its points lie on
   readonly kept: Sent;
 }
 
@@ -53,8 +54,10 @@ export class Parts {
       if (shown.part.role !== "outline" || shown.part.arrays["displacement"]) continue;
       if (shape.shifts.length === 0) shown.shifts = NONE;
       else {
-        if (shown.shifts.length !== shown.points.length) shown.shifts = new Float32Array(shown.points.length);
-        follow(shown.shifts, shown.points, shape.starts, shape.points, shape.shifts, size);
+        const count = shown.points.length / 3;
+        if (shown.shifts.length !== 3 * count) shown.shifts = new Float32Array(3 * count);
+        if (shown.pieces.length !== count) shown.pieces = new Uint32Array(count);
+        follow(shown.shifts, shown.points, shape.starts, shape.points, shape.shifts, size, shown.pieces);
       }
       shown.dots?.set(shown.points, shown.shifts);
     }
@@ -115,7 +118,7 @@ export class Parts {
   }
 
   private make(part: Part): Shown {
-    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [], kept: nothingSent() };
+    const shown: Shown = { part, points: NONE, shifts: NONE, starts: new Uint32Array(0), names: [], pieces: new Uint32Array(0), kept: nothingSent() };
     const lit = this.dim === 3;
     if (part.kind === "surface") {
       const shape = part.role === "shape";
