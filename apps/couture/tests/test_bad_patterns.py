@@ -7,6 +7,7 @@ from test_pattern_beside_drape import SCENE
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
+from restshape.shape.build import outline_of
 from restshape.shape.pattern_drawing import read_pattern_dxf
 from restshape.shape.pattern_svg import read_pattern_svg
 
@@ -79,6 +80,14 @@ def test_panels_that_overlap(tmp_path, capsys, place, what):
     assert main(["check", str(tmp_path / "bad.toml")]) == 2
     printed = " ".join(capsys.readouterr().err.split())
     assert what in printed and "bad.toml: panels" in printed and "packed in rows" in printed
+
+
+def test_places_in_messages_are_those_of_the_panel(tmp_path):
+    crossed = SCENE.replace("c = [0.3, 0.4]\nd = [0, 0.4]", "c = [0, 0.4]\nd = [0.3, 0.4]")
+    scene = tmp_path / "bad.toml"
+    scene.write_text(crossed.replace('grain = "30 deg"', 'at = [0.7, 0.4]\nangle = "90 deg"'))
+    with pytest.raises(UserError, match=r"edge front\.left near \(0\.15, 0\.2\) m of panel front"):
+        outline_of(load_scene(scene))
 
 
 def test_panels_of_unlike_units(tmp_path):

@@ -174,6 +174,10 @@ class ShapeSpec(Strict):
         """Names of the edges around each piece, by the piece's name; one that has no name of its own is "outline"."""
         return {} if self.outline is None else {"outline": self.outline}
 
+    def panel_frames(self) -> Mapping[str, tuple[float, float, float]]:
+        """Where the coordinates of each panel lie: origin [m] and angle [rad], by name; a sheet has none."""
+        return {}
+
     def written_key(self, key: tuple[str, ...]) -> tuple[str, ...]:
         """The key of the scene that a key of the shape comes from: the same."""
         return key

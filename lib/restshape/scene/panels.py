@@ -83,6 +83,10 @@ class PanelShape(ShapeSpec):
     outlines: dict[str, list[str]]
     frames: dict[str, PanelFrame]
 
+    def panel_frames(self) -> Mapping[str, PanelFrame]:
+        """Where the coordinates of each panel lie."""
+        return self.frames
+
     def kinds(self) -> dict[str, str]:
         """Every name that this shape gives, with what it names; panels are outlines."""
         return super().kinds() | dict.fromkeys(self.outlines, "outline")

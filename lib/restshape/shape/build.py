@@ -47,6 +47,7 @@ def unchecked_outline(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     if not spec.pieces:
         raise UserError("the shape has no outline", "shape.outline", "list the edges of the outer loop in order")
     draft = Draft(vertices={name: (float(p[0]), float(p[1])) for name, p in spec.vertices.items()})
+    draft.frames = spec.panel_frames()
     for name, edge in spec.edges.items():
         draft.edges[name] = _edge(draft, name, edge)
     for name, edges in spec.pieces.items():

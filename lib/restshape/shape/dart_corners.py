@@ -22,6 +22,7 @@ from restshape.shape.chain_crossings import crossings
 from restshape.shape.dart_cut import cut_dart
 from restshape.shape.dart_mouth import Mouth, mouth_of
 from restshape.shape.outline import CHORD_ERROR, Outline
+from restshape.shape.place_words import place_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +98,7 @@ def _refuse_beyond(outline: Outline, one: DartCorners) -> None:
             if place is None:
                 continue
             x, y = place
-            reaches = f"the dart reaches over the edge {edge.name!r} near ({x:.4g}, {y:.4g}) m"
+            reaches = f"the dart reaches over the edge {edge.name!r} near {place_words(outline, x, y, e)}"
             raise UserError(reaches, one.placed.where, _inward(one, e in halves))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.curves import chord_parameters
-from restshape.shape.outline import RESERVED, Edge, Layout, Loop, Outline
+from restshape.shape.outline import RESERVED, Edge, Frames, Layout, Loop, Outline
 from restshape.shape.pieces import PieceFinder
 
 
@@ -38,6 +38,7 @@ class Draft:
         loops: (name, kind, [(edge name, forward)]), the outlines first; the order may be either way round.
         groups: entity names by group name.
         size: that tolerances are relative to; 0: from the box around the shape.
+        frames: as of `Outline`.
     """
 
     vertices: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -45,6 +46,7 @@ class Draft:
     loops: list[tuple[str, str, list[tuple[str, bool]]]] = field(default_factory=list)
     groups: dict[str, tuple[str, ...]] = field(default_factory=dict)
     size: float = 0.0
+    frames: Frames = field(default_factory=dict)
 
     def outline(self) -> Outline:
         """The outline of this draft: loops turned so that the material is on their left.
@@ -71,7 +73,8 @@ class Draft:
         embedded = tuple(i for i in range(len(names)) if i not in used)
         place = {name: i for i, name in enumerate(self.edges)}
         loops = tuple(self._loop(name, kind, chain, place) for name, kind, chain in self.loops)
-        shape = Outline(Layout(names, tuple(edges), loops, embedded, dict(self.groups), size), control, bulges)
+        layout = Layout(names, tuple(edges), loops, embedded, dict(self.groups), size)
+        shape = Outline(layout, control, bulges, self.frames)
         return self._oriented(shape)
 
     @staticmethod
@@ -96,7 +99,7 @@ class Draft:
             loops.append(replace(loop, edges=chain, piece=place.of_loop(i)))
         same = layout.vertex_names, layout.edges, tuple(loops), layout.embedded, layout.groups, layout.size
         embedded = tuple(place.of_point(shape.points[i]) for i in layout.embedded)
-        return Outline(Layout(*same, embedded), shape.points, shape.bulges)
+        return Outline(Layout(*same, embedded), shape.points, shape.bulges, shape.frames)
 
     def _check_names(self) -> None:
         seen: dict[str, str] = dict.fromkeys(RESERVED, "reserved")
@@ -116,7 +119,7 @@ def draft_of(outline: Outline) -> Draft:
     """The draft of an outline, to be cut and made into another one."""
     names = outline.vertex_names
     points = [(float(x), float(y)) for x, y in outline.points]
-    draft = Draft(groups=dict(outline.groups), size=outline.size)
+    draft = Draft(groups=dict(outline.groups), size=outline.size, frames=outline.frames)
     draft.vertices = dict(zip(names, points))
     for edge, bulge in zip(outline.edges, outline.bulges):
         draft.edges[edge.name] = DraftEdge(

@@ -113,7 +113,7 @@ def in_frames(outline: Outline, now: Mapping[str, PanelFrame], wanted: Mapping[s
             away = points[own] - now[name][:2]
             angle = now[name].angle != wanted[name].angle
             points[own] = (away @ back @ forth.T if angle else away) + wanted[name][:2]
-    return outline.moved(points)
+    return Outline(outline.layout, points, outline.bulges, wanted)
 
 
 def same_layout(one: Layout, other: Layout) -> bool:
@@ -130,7 +130,7 @@ def varied(outline: Outline, target: Outline) -> Outline:
     Polylines keep their knots, which do not change them.
     """
     knots = [b.knots if b.kind == "spline" else a.knots for a, b in zip(outline.edges, target.edges)]
-    return Outline(outline.layout.with_knots(knots), target.points, target.bulges)
+    return Outline(outline.layout.with_knots(knots), target.points, target.bulges, target.frames)
 
 
 def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
@@ -163,7 +163,7 @@ def followed(outline: Outline, before: Outline, after: Outline) -> Outline:
         bulges[place] = _shifted(bulges[place], before.bulges[old], after.bulges[old])
         if outline.edges[place].kind == "spline" and knots[place] == before.edges[old].knots:
             knots[place] = after.edges[old].knots
-    return Outline(outline.layout.with_knots(knots), points, bulges)
+    return Outline(outline.layout.with_knots(knots), points, bulges, after.frames)
 
 
 def _redrawn(outline: Outline, before: Outline, after: Outline) -> Outline:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -170,6 +170,10 @@ class Layout:
         return {**found, "outline": Entity(edges=tuple(sorted(edges)), loops=tuple(around))}
 
 
+Frames = Mapping[str, tuple[float, float, float]]
+"""Of panels by name: the place (x, y) [m] of their own origin in the pattern plane, and the angle [rad] of its axes."""
+
+
 class Outline:
     """A shape in the plane; its layout never changes, :meth:`moved` gives another one with other control points.
 
@@ -177,12 +181,13 @@ class Outline:
         layout: names, edges, loops, groups.
         points: (k, 2) control points [m]: vertices first, then inner points of splines and polylines.
         bulges: (n_edges,) tan(angle/4) of arcs, 0 elsewhere.
+        frames: of panels by name: where the origin of a panel's own coordinates lies [m], and their angle [rad].
     """
 
-    __slots__ = ("_area", "bulges", "layout", "points")
+    __slots__ = ("_area", "bulges", "frames", "layout", "points")
 
-    def __init__(self, layout: Layout, points: Reals, bulges: Reals) -> None:
-        self.layout, self.points, self.bulges = layout, points, bulges
+    def __init__(self, layout: Layout, points: Reals, bulges: Reals, frames: Frames | None = None) -> None:
+        self.layout, self.points, self.bulges, self.frames = layout, points, bulges, frames or {}
         self._area: float | None = None
 
     @property
@@ -227,9 +232,8 @@ class Outline:
 
     def moved(self, points: Reals | None = None, bulges: Reals | None = None) -> Outline:
         """An outline of the same layout with other control points or bulges."""
-        return Outline(
-            self.layout, self.points if points is None else points, self.bulges if bulges is None else bulges
-        )
+        points, bulges = self.points if points is None else points, self.bulges if bulges is None else bulges
+        return Outline(self.layout, points, bulges, self.frames)
 
     def names(self, kind: str) -> list[str]:
         """Names of all entities of a kind: "vertex", "edge", "hole", "region" or "group"."""

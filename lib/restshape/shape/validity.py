@@ -16,6 +16,7 @@ from restshape.bounds import OUTLINE_PIECES, REACH
 from restshape.errors import UserError
 from restshape.shape.gesture import Gesture
 from restshape.shape.outline import Outline
+from restshape.shape.place_words import place_words
 
 CLEARANCE = 2e-4
 CHORD = 1e-4
@@ -165,7 +166,7 @@ def describe(outline: Outline, found: tuple[str, int, int, float, float]) -> str
         x, y = _closest(outline, i, j, np.array([x, y]))
     # Rounding makes 1e-17 of what is 0.
     x, y = (0.0 if abs(value) < 1e-9 * outline.size else value for value in (x, y))
-    place = f"near ({x:.4g}, {y:.4g}) m"
+    place = f"near {place_words(outline, x, y, i)}" if what in ("cross", "touch", "fold", "short") else ""
     edges, loops = outline.edges, outline.loops
     gap = CLEARANCE * outline.size
     if what == "overlap":
