@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from petsc4py import PETSc
+from scipy.sparse import coo_matrix, diags, kron
+from scipy.spatial import Delaunay
 
 from restshape.algebra.preconditioner import order_factor, set_preconditioner
 
@@ -148,3 +150,31 @@ def test_pivots_that_want_exchanges_of_rows(ksp, size):
     # Blocks with nothing on their diagonals have inverses all the same.
     dense = np.kron(np.eye(N), np.ones((size, size)) - np.eye(size))
     assert error(ksp, dense, petsc(dense, size)) < 1e-14
+
+
+def sheet(places: np.ndarray) -> PETSc.Mat:
+    """A matrix of nodes at places (n, 2), three unknowns each, of which those within two sides of a mesh are joined."""
+    sides = Delaunay(places).simplices[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    once = coo_matrix((np.ones(len(sides)), sides.T), (len(places),) * 2).tocsr()
+    joined = ((once + once.T) @ (once + once.T)).sign()
+    blocks = kron(
+        diags(joined.sum(axis=1).A1 + 0.01) - joined, np.array([[2.0, 0.3, 0], [0.3, 1.0, 0.1], [0, 0.1, 1.5]])
+    )
+    found = blocks.tobsr((3, 3)).tocsr()
+    csr = found.indptr.astype(PETSc.IntType), found.indices.astype(PETSc.IntType), found.data
+    return PETSc.Mat().createAIJ(found.shape, csr=csr, comm=PETSc.COMM_SELF)
+
+
+def test_a_large_pattern_that_is_factored_again_and_again_gets_a_sparser_factor(ksp):
+    mat = sheet(np.random.default_rng(2).uniform(size=(4200, 2)))
+    right, way = mat.createVecs()
+    right.setArray(np.random.default_rng(3).normal(size=right.getSize()))
+    sizes, left = [], []
+    for _ in range(4):
+        mat.scale(1.5)
+        ksp.setOperators(mat)
+        ksp.solve(right, way)
+        sizes.append(ksp.getPC().getFactorMatrix().getInfo()["nz_used"])
+        left.append((mat * way - right).norm() / right.norm())
+    assert max(left) < 1e-11
+    assert sizes[0] == sizes[1] and sizes[2] == sizes[3] < 0.97 * sizes[0]

@@ -1,7 +1,19 @@
 #include "algebra/node_graph.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
+
+// Of SuiteSparse, which PETSc links where it has its orderings; elsewhere the symbols are null.
+#if __has_include(<suitesparse/cholmod.h>)
+#include <suitesparse/cholmod.h>
+#pragma weak cholmod_start
+#pragma weak cholmod_finish
+#pragma weak cholmod_nested_dissection
+#define RESTSHAPE_DISSECTION 1
+#else
+#define RESTSHAPE_DISSECTION 0
+#endif
 
 namespace restshape {
 namespace {
@@ -59,12 +71,42 @@ PetscErrorCode elimination_order(std::vector<PetscInt>& starts, std::vector<Pets
     PetscFunctionReturn(0);
 }
 
+// The order of nested dissection, with parts below some size left to minimum degree; returns whether there is one.
+template <class Integer>
+bool dissected(std::vector<Integer>& starts, std::vector<Integer>& columns, std::vector<Integer>* order) {
+#if RESTSHAPE_DISSECTION
+    if constexpr (std::is_same_v<Integer, int>) {
+        constexpr double small_part = 100.0;
+        if (!has_dissection()) return false;
+        const std::size_t n = starts.size() - 1;
+        cholmod_common common;
+        cholmod_sparse graph{};
+        cholmod_start(&common);
+        graph.nrow = graph.ncol = n;
+        graph.nzmax = columns.size();
+        graph.p = starts.data(), graph.i = columns.data();
+        graph.stype = graph.packed = 1;
+        graph.itype = CHOLMOD_INT, graph.xtype = CHOLMOD_PATTERN, graph.dtype = CHOLMOD_DOUBLE;
+        common.method[0].nd_small = small_part;
+        common.print = 0;
+        std::vector<int> parts(n), member(n);
+        order->resize(n);
+        const auto found =
+            cholmod_nested_dissection(&graph, nullptr, 0, order->data(), parts.data(), member.data(), &common);
+        cholmod_finish(&common);
+        return found > 0;
+    }
+#endif
+    return false;
+}
+
 // The same with the last nodes behind the others.
-PetscErrorCode order_before(PetscInt kept, std::vector<PetscInt>& starts, std::vector<PetscInt>& columns,
-                            std::vector<PetscInt>* order) {
+PetscErrorCode order_before(PetscInt kept, Elimination by, std::vector<PetscInt>& starts,
+                            std::vector<PetscInt>& columns, std::vector<PetscInt>* order) {
     const PetscInt n = static_cast<PetscInt>(starts.size()) - 1, pivots = n - kept;
     PetscFunctionBegin;
     if (kept == 0) {
+        if (by == Elimination::dissection && n > 0 && dissected(starts, columns, order)) PetscFunctionReturn(0);
         PetscCall(elimination_order(starts, columns, order));
         PetscFunctionReturn(0);
     }
@@ -111,12 +153,20 @@ PetscInt block_size(const Pattern& a) {
     return 1;
 }
 
-PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u, PetscInt kept) {
+bool has_dissection() {
+#if RESTSHAPE_DISSECTION
+    return cholmod_start && cholmod_finish && cholmod_nested_dissection;
+#else
+    return false;
+#endif
+}
+
+PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u, PetscInt kept, Elimination by) {
     std::vector<PetscInt> starts, columns;
     PetscFunctionBegin;
     u->size = size;
     node_pattern(a, size, &starts, &columns);
-    PetscCall(order_before(kept, starts, columns, &u->order));
+    PetscCall(order_before(kept, by, starts, columns, &u->order));
     lay_out(starts, columns, u, &u->from);
     const PetscInt n = static_cast<PetscInt>(u->order.size());
     u->length.resize(n);

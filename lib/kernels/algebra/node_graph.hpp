@@ -25,9 +25,16 @@ struct UpperBlocks {
 // The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of them.
 PetscInt block_size(const Pattern& a);
 
-// Orders nodes by approximate minimum degree, those that are kept, the last ones, behind the others, and lays the
-// blocks out.
-PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks, PetscInt kept = 0);
+// Approximate minimum degree, which is quick, or nested dissection, whose factors take fewer products on large sheets.
+enum class Elimination { minimum_degree, dissection };
+
+// Orders nodes, those that are kept, the last ones, behind the others, and lays the blocks out. Where there is no
+// nested dissection minimum degree takes its place.
+PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks, PetscInt kept = 0,
+                           Elimination by = Elimination::minimum_degree);
+
+// Whether PETSc has come with nested dissection.
+bool has_dissection();
 
 // Copies the values of A, of the pattern that the blocks were made of, each block by columns.
 void copy_values(const double* a, const UpperBlocks& u, double* blocks);
