@@ -25,6 +25,8 @@ WORDS = [
     *("--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
 ]
 SIZE = {"width": 800, "height": 560}
+TURN = "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done())))"
+"""Ends after the display's next turn."""
 LOOK = """step => {
     const canvas = document.getElementById("canvas"), found = {};
     const { left, top, right, bottom } = canvas.getBoundingClientRect();
@@ -147,7 +149,8 @@ class BrowserPage(Page):
         return [one["message"] for one in self.of("refused") if one["id"] in asked]
 
     def settle(self) -> None:
-        """Waits until the last event is answered."""
+        """Waits until the last event is answered; a place of the hand may wait for the display's next turn."""
+        self.tab.evaluate(TURN)
 
         def answered() -> bool:
             last = max((one["id"] for one in self.events()), default=0)
