@@ -5,10 +5,11 @@ import os
 import signal
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache, wraps
 from importlib.metadata import entry_points
-from itertools import pairwise
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,7 @@ import pytest
 import restshape.surroundings
 
 if TYPE_CHECKING:
+    from _pytest.terminal import TerminalReporter
     from two_ranks import TwoRanks
 
 ROOT = Path(__file__).parent
@@ -48,6 +50,8 @@ RESTSHAPE = (sys.executable, "-m", "restshape.cli.main")
 Run = Callable[..., subprocess.CompletedProcess]
 GARBAGE = 20_000
 """Objects after which garbage is collected: what tests make is small, and most of it goes without."""
+SLOWEST = 15
+"""Files that are named at the end."""
 PROCESSES = {"restshape", "start_restshape", "outside", "two_ranks"}
 """Fixtures of tests that start processes."""
 
@@ -98,6 +102,18 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(GARBAGE)
+
+
+def pytest_terminal_summary(terminalreporter: "TerminalReporter") -> None:
+    """Say which files take longest, and what all of them take: growth is seen before the time is over."""
+    spent: Counter[str] = Counter()
+    for report in chain.from_iterable(terminalreporter.stats.values()):
+        if isinstance(report, pytest.TestReport):
+            spent[report.nodeid.partition("::")[0]] += report.duration
+    if len(spent) > SLOWEST:
+        terminalreporter.section(f"slowest files of {len(spent)}, which take {sum(spent.values()):.0f} s together")
+        for name, seconds in spent.most_common(SLOWEST):
+            terminalreporter.write_line(f"{seconds:7.1f} s  {name}")
 
 
 # The words of the processes that the present test has started.
