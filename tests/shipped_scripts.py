@@ -51,8 +51,8 @@ COARSE = {
 
 At both sizes their frames end alike.
 """
-WEEKLY = {"growing"}
-"""Scripts that make weekly alone replays: each frame of this one makes the grid of a body."""
+WEEKLY = {"growing", "shirt", "fish-rests"}
+"""Scripts that make weekly alone replays: they take longest, and others of their kind are replayed every day."""
 JUMP = 0.005
 """Share of its largest value by which a quantity may jump where the mesh changes, at the scenes' own meshes."""
 Counts = dict[str, int]

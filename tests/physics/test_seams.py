@@ -384,6 +384,23 @@ def test_a_strip_whose_own_ends_are_sewn_together_keeps_its_weight_meanwhile(tmp
     assert parts == [1.0]
 
 
+def test_versions_of_a_stiffened_sheet_never_come_again(tmp_path):
+    """A matrix of steps that was made with the plate counts as old in all later frames."""
+    problem = DrapeDesign(tmp_path, tube(extra=OWN).replace('["a", "d"]', '["a", "b", "c", "d"]')).problem
+    begun = problem.stiffness_version
+    with problem.stiffened(0.03):
+        pass
+    assert problem.stiffness_version == begun
+    with problem.stiffened(0.03):
+        seen = []
+        for pull in (0.1, 0.2, 1.0):
+            problem.pull_seams(pull)
+            seen.append(problem.stiffness_version)
+    for _ in range(4):
+        problem.update()
+        assert problem.stiffness_version not in seen
+
+
 def test_an_upright_strip_is_sewn_to_a_tube_that_hangs_by_a_corner(tmp_path):
     """Its energy is that of the strip laid double, whose middle hangs half a diagonal below the pin: no crumples."""
     upright = '[start]\nturn = ["90 deg", 0, 0]\n[quantities]\nsum = { energy = "potential" }\n'

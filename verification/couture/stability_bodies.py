@@ -144,11 +144,11 @@ def sharp_rim(trial: Trial) -> Iterator[Statement]:
 CASES = {
     "deep": Case(deep),
     "swollen": Case(swollen, weekly=("auto",)),
-    "gone": Case(gone),
+    "gone": Case(gone, weekly=("auto",)),
     "thin_bar": Case(thin_bar, weekly=("auto",)),
     "wire": Case(wire),
     "sharp_rim": Case(sharp_rim, share=0.34),
     "slippery": Case(slippery, share=0.5),
-    "dragged_far": Case(dragged_far, share=0.5),
+    "dragged_far": Case(dragged_far, share=0.5, weekly=("auto",)),
     "crumpled_among_bodies": Case(crumpled_among_bodies, share=0.5),
 }

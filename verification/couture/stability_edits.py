@@ -112,7 +112,9 @@ def other_kinds(trial: Trial) -> Iterator[Statement]:
 CASES = {
     "nested": Case(nested, exempt={"thesis": "motion alone rests in other folds, after minutes"}, weekly=("auto",)),
     "remeshed": Case(remeshed),
-    "outline": Case(outline, exempt={"rebuild": "all meshes are rebuilt, and nothing flips"}, share=0.5),
+    "outline": Case(
+        outline, exempt={"rebuild": "all meshes are rebuilt, and nothing flips"}, share=0.5, weekly=("auto",)
+    ),
     "holes": Case(holes, share=0.5),
     "far_apart": Case(far_apart, ("auto",), exempt={"thesis": "on some machines motion alone rests in other folds"}),
     "other_kinds": Case(other_kinds),

@@ -90,9 +90,11 @@ CASES = {
         refined_drag,
         exempt={"rebuild": "there is no mesh to predict on", "thesis": "springs do not follow the hand linearly"},
         share=0.1,
+        weekly=("auto",),
     ),
     "predicted_snap": Case(
         predicted_snap,
         exempt={"rebuild": "there is no mesh to predict on", "thesis": "springs do not follow the hand linearly"},
+        weekly=("auto",),
     ),
 }

@@ -178,5 +178,5 @@ CASES = {
     "ponchos": Case(ponchos, share=0.5),
     "there_and_back": Case(there_and_back, share=0.04),
     "two_rests": Case(two_rests),
-    "paths": Case(paths),
+    "paths": Case(paths, weekly=("auto",)),
 }

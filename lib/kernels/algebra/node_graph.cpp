@@ -10,6 +10,7 @@
 #pragma weak cholmod_start
 #pragma weak cholmod_finish
 #pragma weak cholmod_nested_dissection
+#pragma weak cholmod_version
 #define RESTSHAPE_DISSECTION 1
 #else
 #define RESTSHAPE_DISSECTION 0
@@ -155,7 +156,15 @@ PetscInt block_size(const Pattern& a) {
 
 bool has_dissection() {
 #if RESTSHAPE_DISSECTION
-    return cholmod_start && cholmod_finish && cholmod_nested_dissection;
+    // Structures of another version have other members: PETSc may have come with one of its own beside the system's.
+    static const bool fits = [] {
+        int version[3] = {};
+        if (!(cholmod_start && cholmod_finish && cholmod_nested_dissection && cholmod_version)) return false;
+        cholmod_version(version);
+        return std::is_same_v<PetscInt, int> && version[0] == CHOLMOD_MAIN_VERSION &&
+               version[1] == CHOLMOD_SUB_VERSION;
+    }();
+    return fits;
 #else
     return false;
 #endif

@@ -87,6 +87,8 @@ class LiveSession:
                 while True:
                     self._hear(await link.receive())
         finally:
+            # Pages may be closed before the news' own time comes.
+            self._news.say()
             sending.cancel()
             self._link = None
             link.close()

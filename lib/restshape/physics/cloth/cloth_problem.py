@@ -243,7 +243,8 @@ class ClothProblem(SteadyProblem):
                 self.bending.update(self.fabric, self.supports)
             yield
         finally:
-            self.fabric, self._changes = fabric, changes
+            # What has changed within keeps its version: steps were made there with the stiff sheet.
+            self.fabric, self._changes = fabric, changes if self._changes == changes + 1 else self._changes + 1
             if self.bending:
                 self.bending.update(fabric, self.supports)
 
