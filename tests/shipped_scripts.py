@@ -51,7 +51,7 @@ COARSE = {
 
 At both sizes their frames end alike.
 """
-WEEKLY = {"growing", "shirt", "stool", "fish-rests"}
+WEEKLY = {"growing", "shirt", "stool", "fish-rests", "building", "bridge", "sphere-longer"}
 """Scripts that make weekly alone replays: they take longest, and others of their kind are replayed every day."""
 JUMP = 0.005
 """Share of its largest value by which a quantity may jump where the mesh changes, at the scenes' own meshes."""

@@ -112,7 +112,7 @@ def test_without_what_was_kept_the_way_back_ends_elsewhere(replay):
     assert np.abs(frames[8]["x"] - frames[5]["x"]).max() > 1e-3
 
 
-@pytest.mark.parametrize("overrides", [COARSE, LEVELS])
+@pytest.mark.parametrize("overrides", [pytest.param(COARSE, marks=pytest.mark.weekly), LEVELS])
 def test_meshes_come_back_too(replay, overrides):
     """After relocated nodes, and new meshes, with and without levels."""
     frames = seen(replay(SHAPES, overrides))

@@ -13,9 +13,9 @@ from restshape.application import application
 
 @pytest.mark.slow
 def test_nothing_breaks(forked_examples):
-    tried = fuzz(10, 1, ("couture",))
+    tried = fuzz(6, 1, ("couture",))
     assert not tried.found, [vars(found) for found in tried.found.values()]
-    assert tried.valid >= 5 and tried.frames > 20 and 3 < tried.largest <= 200
+    assert tried.valid >= 3 and tried.frames > 12 and 3 < tried.largest <= 200
 
 
 @pytest.mark.slow

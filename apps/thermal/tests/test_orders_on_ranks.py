@@ -6,7 +6,9 @@ import pytest
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["flow.vortices_in_time", "thermal.waves_in_time"])
+@pytest.mark.parametrize(
+    "case", [pytest.param("flow.vortices_in_time", marks=pytest.mark.weekly), "thermal.waves_in_time"]
+)
 def test_two_ranks_find_the_orders_that_one_finds(case, on_ranks, tmp_path):
     found = []
     for ranks in (1, 2):

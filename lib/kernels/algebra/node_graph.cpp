@@ -161,8 +161,7 @@ bool has_dissection() {
         int version[3] = {};
         if (!(cholmod_start && cholmod_finish && cholmod_nested_dissection && cholmod_version)) return false;
         cholmod_version(version);
-        return std::is_same_v<PetscInt, int> && version[0] == CHOLMOD_MAIN_VERSION &&
-               version[1] == CHOLMOD_SUB_VERSION;
+        return std::is_same_v<PetscInt, int> && version[0] == CHOLMOD_MAIN_VERSION && version[1] == CHOLMOD_SUB_VERSION;
     }();
     return fits;
 #else
