@@ -11,6 +11,8 @@ from restshape.analysis.effective_system import StepWeights
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS
 from restshape.fem.residuals import unconstrained_residual
+from restshape.mesh.lagrange_space import LagrangeSpace
+from restshape.mesh.transfer import Transfer
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,10 +27,11 @@ if TYPE_CHECKING:
 
     Difference = tuple[float, Sequence[Integral], Sequence[Integral]]
 
-ENOUGH, LEAST, COMPLETE = {3: 1e-8}, 1e-12, 1e-8
-"""Shares of the squared energy of a difference of two meshes that successive steps together add at the end: on cells of
-so many nodes, and on all others, where most of it is of a poor guess: nodes in the middle of flipped edges have moved.
-The last one is that of a single step on the former with an old complete factor, whose gains fall by ten a step."""
+ENOUGH = 1e-8
+"""Share of the squared energy of a difference of two meshes that successive steps together add at the end; with an old
+complete factor, whose gains fall by ten a step, a single one."""
+LEAST = 1e-12
+"""The same where most of it is of a poor guess: nodes of flipped edges have moved, and nothing says what lies there."""
 
 
 def solution_beside(problem: SteadyProblem, known: SteadyProblem, x: np.ndarray, matrix: StepMatrix) -> np.ndarray:
@@ -40,13 +43,14 @@ def solution_beside(problem: SteadyProblem, known: SteadyProblem, x: np.ndarray,
         matrix: of this mesh.
     """
     problem.update()
-    guess = np.where(problem.boundary.mask, problem.boundary.values, x)
+    guess, enough = _guess(known.space, problem.space, x)
+    guess = np.where(problem.boundary.mask, problem.boundary.values, guess)
     rest = -unconstrained_residual(problem, guess).ravel()
     rest[problem.boundary.constrained] = 0.0
     stiffness = (1.0, problem.integrals(STIFFNESS), known.integrals(STIFFNESS))
     changed = changed_cells(known.space, problem.space)
     other = product_beside(matrix.product, changed, (stiffness,), problem.boundary.mask)
-    return guess + _steps(other, matrix, rest, problem.space).reshape(x.shape)
+    return guess + _steps(other, matrix, rest, enough).reshape(x.shape)
 
 
 def step_beside(
@@ -69,6 +73,7 @@ def step_beside(
         matrix: of the step on this mesh.
     """
     weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
+    y, enough = _guess(known.problem.space, body.problem.space, y)
     stiff, inert = np.empty_like(y), np.empty_like(y)
     weights.apply(state, stiff, inert)
     stiff -= weights.of_stiffness * y
@@ -80,16 +85,25 @@ def step_beside(
     mass = (weights.of_mass, body.mass.integrals, known.mass.integrals)
     changed = changed_cells(known.problem.space, body.problem.space)
     other = product_beside(matrix.product, changed, (stiffness, mass), body.constrained)
-    return y + _steps(other, matrix, rest.ravel(), body.problem.space).reshape(y.shape)
+    return y + _steps(other, matrix, rest.ravel(), enough).reshape(y.shape)
 
 
-def _steps(product: Operation, matrix: StepMatrix, rest: np.ndarray, space: Space) -> np.ndarray:
-    """About the solution (n f,) of product(d) = rest on a space, with the preconditioner of a matrix near it."""
-    first_order = space.cells.shape[1] in ENOUGH
-    if matrix.complete and first_order:
-        return conjugate_steps(product, matrix.precondition, rest, delay=1, enough=COMPLETE)
-    enough = ENOUGH[space.cells.shape[1]] if first_order else LEAST
-    return conjugate_steps(product, matrix.precondition, rest, delay=DELAY, enough=enough)
+def _guess(one: Space, other: Space, x: np.ndarray) -> tuple[np.ndarray, float]:
+    """Unknowns x (n, f) of a space at the nodes of another one, and the share of energy that ends steps from there."""
+    moved = np.flatnonzero((one.X != other.X).any(axis=1))
+    if not len(moved):
+        return x, ENOUGH
+    if not isinstance(one, LagrangeSpace):
+        return x, LEAST
+    guess = x.copy()
+    guess[moved] = Transfer(one, other.X[moved])(x)
+    return guess, ENOUGH
+
+
+def _steps(product: Operation, matrix: StepMatrix, rest: np.ndarray, enough: float) -> np.ndarray:
+    """About the solution (n f,) of product(d) = rest, with the preconditioner of a matrix near it."""
+    delay = 1 if matrix.complete and enough == ENOUGH else DELAY
+    return conjugate_steps(product, matrix.precondition, rest, delay=delay, enough=enough)
 
 
 def changed_cells(one: Space, other: Space) -> np.ndarray:
