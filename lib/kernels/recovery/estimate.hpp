@@ -2,7 +2,6 @@
 // Zhu, Int. J. Numer. Meth. Engng 24 (1987) 337.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
@@ -41,20 +40,6 @@ struct Energies {
     double distance = 0.0, size = 0.0;
 };
 
-// The stress at point q of what is constant in the cell, or linear between samples near its corners.
-template <class Shape, class Value>
-void stress_between(int q, const double* sample, int sampled, Value& s) {
-    constexpr int components = Shape::components, corners = Shape::dim + 1;
-    s = Eigen::Map<const Value>(sample);
-    if (sampled == 1) return;
-    // A sample's own barycentric coordinate is 1 - dim a, the others are a.
-    constexpr double a = Shape::dim == 3 ? TetRule4::a : 1.0 / 6, range = 1.0 - corners * a;
-    double l[corners];
-    Linear<Shape::dim>::values(Shape::Rule::at[q], l);
-    s *= (l[0] - a) / range;
-    for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * Eigen::Map<const Value>(sample + i * components);
-}
-
 // Values of one place in one register: six with zeros behind them.
 using Four = double __attribute__((vector_size(4 * sizeof(double))));
 template <int Components>
@@ -76,12 +61,34 @@ Register<Components> loaded(const double* from) {
     }
 }
 
+// The stress at point q of what is constant in the cell, or linear between samples near its corners.
+template <class Shape>
+Register<Shape::components> stress_between(int q, const double* sample, int sampled) {
+    constexpr int components = Shape::components, corners = Shape::dim + 1;
+    const auto first = loaded<components>(sample);
+    if (sampled == 1) return first;
+    // A sample's own barycentric coordinate is 1 - dim a, the others are a.
+    constexpr double a = Shape::dim == 3 ? TetRule4::a : 1.0 / 6, range = 1.0 - corners * a;
+    double l[corners];
+    Linear<Shape::dim>::values(Shape::Rule::at[q], l);
+    auto s = (l[0] - a) / range * first;
+    for (int i = 1; i < corners; ++i) s += (l[i] - a) / range * loaded<components>(sample + i * components);
+    return s;
+}
+
 // The terms of d . C d, one a component: their sum needs no order, and is taken once for all cells.
 template <int Components>
 Register<Components> energy_terms(const Register<Components> (&C)[Components], const Register<Components>& d) {
     Register<Components> image = d[0] * C[0];
     for (int k = 1; k < Components; ++k) image += d[k] * C[k];
     return d * image;
+}
+
+template <int Components>
+Energies summed(const Register<Components>& distance, const Register<Components>& size) {
+    Energies total;
+    for (int k = 0; k < Components; ++k) total.distance += distance[k], total.size += size[k];
+    return total;
 }
 
 // The integrals of `recovery_energies` in closed form: of first order d is linear where the samples are constant, and
@@ -113,9 +120,7 @@ Energies constant_stress_energies(const StressOnCells& on) {
         distance += volume / (nodes * (nodes + 1)) * (squares + energy_terms<components>(C, sum));
         size += volume * energy_terms<components>(C, s);
     }
-    Energies total;
-    for (int k = 0; k < components; ++k) total.distance += distance[k], total.size += size[k];
-    return total;
+    return summed<components>(distance, size);
 }
 
 // Integrals of d . C d, of d = nodal - sampled, and of s . C s, of the samples s.
@@ -124,39 +129,32 @@ Energies recovery_energies(const StressOnCells& on) {
     constexpr int nodes = Shape::nodes, dim = Shape::dim, components = Shape::components;
     if constexpr (Shape::Basis::order == 1)
         if (on.sampled == 1) return constant_stress_energies<Shape>(on);
-    using Value = Eigen::Matrix<double, components, 1>;
-    using Square = Eigen::Matrix<double, components, components, Eigen::RowMajor>;
-    Energies total;
+    using Value = Register<components>;
+    Value distance{}, size{};
     for (std::ptrdiff_t e = 0; e < on.count; ++e) {
         double X[nodes * dim];
-        Value recovered[nodes];
+        Value recovered[nodes], C[components];
         for (int i = 0; i < nodes; ++i) {
             const double* place = on.X + static_cast<size_t>(on.cells[e * nodes + i]) * dim;
             for (int a = 0; a < dim; ++a) X[i * dim + a] = place[a];
-            recovered[i] = Eigen::Map<const Value>(on.nodal + static_cast<size_t>(on.rows[e * nodes + i]) * components);
+            recovered[i] = loaded<components>(on.nodal + static_cast<size_t>(on.rows[e * nodes + i]) * components);
         }
-        const Eigen::Map<const Square> C(on.compliance + (on.kinds ? on.kinds[e] : 0) * components * components);
-        Energies here;
-        double volume = 0.0, size = 0.0;
+        for (int k = 0; k < components; ++k)
+            C[k] = loaded<components>(on.compliance + ((on.kinds ? on.kinds[e] : 0) * components + k) * components);
+        double volume = 0.0;
         for (int q = 0; q < Shape::points; ++q) {
             // Of first order all points stand for the same volume.
             if (q == 0 || Shape::Basis::order > 1) volume = Shape::volume(q, X);
             const double* sample = on.samples + e * on.sampled * components;
-            Value s;
-            if (on.sampled == Shape::points)
-                s = Eigen::Map<const Value>(sample + q * components);
-            else
-                stress_between<Shape>(q, sample, on.sampled, s);
-            if (q == 0 || on.sampled > 1) size = s.dot(C * s);
+            const Value s = on.sampled == Shape::points ? loaded<components>(sample + q * components)
+                                                        : stress_between<Shape>(q, sample, on.sampled);
             Value d = -s;
             for (int i = 0; i < nodes; ++i) d += Shape::table.value[q][i] * recovered[i];
-            here.distance += volume * d.dot(C * d);
-            here.size += volume * size;
+            distance += volume * energy_terms<components>(C, d);
+            size += volume * energy_terms<components>(C, s);
         }
-        total.distance += here.distance;
-        total.size += here.size;
     }
-    return total;
+    return summed<components>(distance, size);
 }
 
 // Second stress of Piola and Kirchhoff of Cauchy's one in the plane: J F^-1 s F^-T of its components xx yy xy zz.
