@@ -51,6 +51,7 @@ __all__: list[str] = [
     "interpolate_rows",
     "inverted_cells",
     "keep_border",
+    "largest_norm",
     "largest_size",
     "locate",
     "locate_quadratic",
@@ -749,6 +750,7 @@ def inverted_cells(
 def keep_border(
     factor: typing.SupportsInt | typing.SupportsIndex, unknowns: typing.SupportsInt | typing.SupportsIndex
 ) -> None: ...
+def largest_norm(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def largest_size(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def locate(
     X: numpy.typing.NDArray[numpy.float64],

@@ -94,3 +94,6 @@ def test_the_largest_size():
     assert _kernels.largest_size(np.empty(0)) == 0.0
     assert np.isnan(_kernels.largest_size(np.array([np.nan, 1.0])))
     assert _kernels.largest_size(np.array([-np.inf, 1.0])) == np.inf
+    assert _kernels.largest_norm(np.array([[1.0, -2.0, 2.0], [2.0, 0.0, 0.0]])) == 3.0
+    assert _kernels.largest_norm(np.empty((0, 2))) == 0.0
+    assert np.isnan(_kernels.largest_norm(np.array([[np.nan, 1.0], [3.0, 4.0]])))

@@ -132,6 +132,20 @@ double largest_size(const Reals& a) {
     return numbers ? most : std::numeric_limits<double>::quiet_NaN();
 }
 
+double largest_norm(const Reals& a) {
+    const double* value = a.data();
+    const py::ssize_t fields = a.ndim() == 2 ? a.shape(1) : 1;
+    double most = 0.0;
+    bool numbers = true;
+    for (const double* end = value + a.size(); value != end; value += fields) {
+        double square = 0.0;
+        for (py::ssize_t k = 0; k < fields; ++k) square += value[k] * value[k];
+        numbers &= square == square;
+        most = std::max(most, square);
+    }
+    return numbers ? std::sqrt(most) : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 void bind_fields(py::module_& m) {
@@ -150,6 +164,8 @@ void bind_fields(py::module_& m) {
           "Whether two arrays hold the same numbers, bit for bit.");
     m.def("largest_size", &largest_size, py::arg("a"),
           "The largest size among numbers, 0 of none; not a number where one of them is not.");
+    m.def("largest_norm", &largest_norm, py::arg("a"),
+          "The largest size of a row of numbers (n, f), 0 of none; not a number where one of them is not.");
     m.def("cells_around", &cells_around, py::arg("cells").noconvert(), py::arg("nodes").noconvert(),
           py::arg("node_count"), "Cells (k,), ascending, of which a corner is one of the nodes.");
     m.def("total_area", &total_area, py::arg("X").noconvert(), py::arg("cells").noconvert(),

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
     Difference = tuple[float, Sequence[Integral], Sequence[Integral]]
 
-ENOUGH = 1e-8
-"""Share of the squared energy of a difference of two meshes that successive steps together add at the end; with an old
-complete factor, whose gains fall by ten a step, a single one."""
-LEAST = 1e-12
-"""The same where most of it is of a poor guess: nodes of flipped edges have moved, and nothing says what lies there."""
+ENOUGH, LEAST = 1e-8, 1e-12
+"""Shares of the squared energy of a difference of two meshes that successive steps together add at the end, with an old
+complete factor, whose gains fall by ten a step, a single one. The second is that of second order, where most of it is
+of a poor guess, as nodes in the middle of flipped edges have moved, and reactions must balance loads; of a time step
+only where nothing says what lies there."""
 
 
 def solution_beside(problem: SteadyProblem, known: SteadyProblem, x: np.ndarray, matrix: StepMatrix) -> np.ndarray:
@@ -43,7 +43,8 @@ def solution_beside(problem: SteadyProblem, known: SteadyProblem, x: np.ndarray,
         matrix: of this mesh.
     """
     problem.update()
-    guess, enough = _guess(known.space, problem.space, x)
+    guess, _ = _guess(known.space, problem.space, x)
+    enough = ENOUGH if guess is x else LEAST
     guess = np.where(problem.boundary.mask, problem.boundary.values, guess)
     rest = -unconstrained_residual(problem, guess).ravel()
     rest[problem.boundary.constrained] = 0.0
@@ -93,7 +94,7 @@ def _guess(one: Space, other: Space, x: np.ndarray) -> tuple[np.ndarray, float]:
     moved = np.flatnonzero((one.X != other.X).any(axis=1))
     if not len(moved):
         return x, ENOUGH
-    if not isinstance(one, LagrangeSpace):
+    if one.cell_type != LagrangeSpace.cell_type:
         return x, LEAST
     guess = x.copy()
     guess[moved] = Transfer(one, other.X[moved])(x)

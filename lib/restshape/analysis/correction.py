@@ -64,6 +64,7 @@ def conjugate_steps(
     Each lowers the squared distance in the energy norm by what it gains. A single small gain says nothing of what is
     left; several together are that distance some steps ago, but for the one that is left now. A factor of
     that very matrix takes one step more than the delay. Not a number where the most steps are not enough.
+    Without a delay the last step is the preconditioned residual, which foresees its gain and takes no product.
 
     Where both are `RowOperation`s, ranks take the steps of their own rows alone; products are summed in their order.
 
@@ -114,10 +115,14 @@ class _Steps:
             found += length * step
             residual = residual - length * force
             gains.append(length * weight)
-            if sum(gains[-delay:]) <= enough * (known + sum(gains)):
+            small = enough * (known + sum(gains))
+            if delay and sum(gains[-delay:]) <= small:
                 break
             z = self.precondition(residual)
             weight, last = self._dot(residual, z), weight
+            if not delay and weight <= small:
+                found += z
+                break
             step = z + weight / last * step
         else:
             return np.full_like(found, np.nan)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.analysis.correction import DELAY, conjugate_steps
 from restshape.analysis.effective_system import StepWeights
 from restshape.fem.residuals import Operation, stiffness_product
@@ -35,8 +36,7 @@ class StepMatrix:
         if self.exact:
             return self.precondition(rest)
         if self.complete:
-            # With a factor that is nearly the matrix's own gains fall fast: after a small one hardly any is large.
-            return conjugate_steps(self.product, self.precondition, rest, delay=1, enough=ENOUGH)
+            return conjugate_steps(self.product, self.precondition, rest, delay=0, enough=ENOUGH)
         return conjugate_steps(self.product, self.precondition, rest, delay=DELAY)
 
 
@@ -86,20 +86,13 @@ def _change_of_force(
     """What `SemiDiscrete.change_of_force` gives at free unknowns, with the step's matrix in place of K's elements."""
     before, now = states
     weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
-    strain, rates = now.y - before.y, now.v - before.v
-    if weights.beta:
-        strain += weights.beta * rates
-    inert = (weights.of_mass / weights.of_stiffness) * strain
-    inert -= weights.alpha * rates + base
+    strain, inert = np.empty_like(now.y), np.empty_like(now.y)
+    share, damped = weights.of_mass / weights.of_stiffness, weights.beta
+    of_changes = (1.0, damped, 0.0, share, share * damped - weights.alpha, 0.0)
+    _kernels.weigh_state(now.y - before.y, now.v - before.v, None, of_changes, base, strain, inert)
     change = body.mass.apply(inert)
     change -= product(strain.ravel()).reshape(strain.shape) / weights.of_stiffness
     return change
-
-
-def largest_norm(field: np.ndarray) -> float:
-    """The largest size of a row of (n, f) numbers; 0 without any."""
-    # Column by column: numpy sums short rows in four times as long.
-    return float(np.sqrt(sum((field * field).T).max(initial=0.0)))
 
 
 def element_product(body: SemiDiscrete, scheme: Scheme, y: np.ndarray) -> Operation:

@@ -23,7 +23,7 @@ from restshape.analysis.modes_beside import ModesBeside
 from restshape.analysis.repeated_motion import RepeatedMotion
 from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, moduli_of
-from restshape.analysis.time_error import StepMatrix, largest_norm, local_error
+from restshape.analysis.time_error import StepMatrix, local_error
 from restshape.analysis.transient_state import BoundMotion, TransientState
 from restshape.analysis.velocity_projection import project_velocity
 from restshape.application import application_of
@@ -316,8 +316,8 @@ class TransientAnalysis:
             return float("nan")
         accelerations = self._base_acceleration(before.time), self._base_acceleration(now.time)
         error = local_error(state.body, scheme, (before, now), accelerations, self._last_matrix())
-        self._largest = max(self._largest, largest_norm(self.x))
-        return largest_norm(error) / self._largest if self._largest else float("nan")
+        self._largest = max(self._largest, _kernels.largest_norm(self.x))
+        return _kernels.largest_norm(error) / self._largest if self._largest else float("nan")
 
     def _last_matrix(self) -> StepMatrix:
         """The matrix of the last step."""
