@@ -39,7 +39,7 @@ class ClothArguments:
         fabric: stiffness and mass; one matrix and one number where all cells agree.
         supports: on this mesh.
         g: (3,) acceleration [m/s^2].
-        bodies: each with its coefficient of friction, in the scene's order.
+        bodies: each with its coefficient of friction, in the scene's order; forms: the same as numbers alone.
         contact: settings of the effect; None: nothing touches, and there are no bodies.
         placed: (n, 3) where nodes lie at first [m], before supports take them; start: with these.
         layers: how parts of the cloth push each other away; None: they pass through each other.
@@ -57,6 +57,7 @@ class ClothArguments:
     layers: SelfContactValues | None = None
     seams: tuple[SeamPair, ...] = ()
     order: LayerOrder | None = None
+    forms: tuple[Body, ...] = ()
 
 
 def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
@@ -72,7 +73,8 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
     placement = InitialPlacement(scene)
     fabric = fabric_of(scene, plan, mesh)
     supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
-    bodies = [] if contact is None else touched(scene)
+    forms = () if contact is None else forms_of(scene)
+    bodies = [(kernel_body(body), body.friction) for body in forms]
     return ClothArguments(
         fabric=fabric,
         supports=supports,
@@ -84,6 +86,7 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
         layers=layer_values(scene, plan, mesh, fabric),
         seams=seam_pairs(scene, mesh, placed, float(fabric.membrane.max())),
         order=LayerOrder.of(scene, mesh, placed, [body for body, _ in bodies]),
+        forms=forms,
     )
 
 
@@ -134,13 +137,12 @@ def set_contact(problem: ClothProblem, arguments: ClothArguments) -> None:
     contact.stiffness, contact.thickness, contact.slip = settings.stiffness, settings.thickness, settings.slip
 
 
-def touched(scene: Scene) -> list[tuple[_kernels.Body, float]]:
-    """The scene's bodies where they are now, each with its coefficient of friction."""
+def forms_of(scene: Scene) -> tuple[Body, ...]:
+    """The scene's bodies where they are now, of numbers alone."""
     for name, body in scene.bodies.items():
         if body.form_on_grid:
             located_distance(scene, name)
-    bodies = [body.evaluated(scene.parameters) for body in scene.bodies.values()]
-    return [(kernel_body(body), body.friction) for body in bodies]
+    return tuple(body.evaluated(scene.parameters) for body in scene.bodies.values())
 
 
 def kernel_body(body: Body) -> _kernels.Body:

@@ -12,11 +12,14 @@ from restshape.mesh.relocate import HarmonicExtension
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER, Layers
 from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
+from restshape.physics.cloth.retreat import retreats
 from restshape.physics.cloth.scene import ClothArguments
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
+
+RETREATED = "bodies begin outside it and come to their places, for the nearest way out would fold it through itself"
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,7 @@ class Beginning:
         x: (n, 3) unknowns.
         placed: (corners, 3) [m] as the scene has it; out: out of bodies; ordered: with its layers in order.
         movable: (corners,) whether nothing holds a node.
+        retreat: (k, 3) [m] how far each body is from its place at first, see `retreats`; None: all are there.
         doubts: what could not be done.
     """
 
@@ -35,29 +39,25 @@ class Beginning:
     out: np.ndarray
     ordered: np.ndarray
     movable: np.ndarray
+    retreat: np.ndarray | None = None
     doubts: tuple[str, ...] = ()
 
 
-def initial_positions(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
-    """Unknowns (n, 3) at which cloth begins, with supports where they are at first."""
-    return beginning(problem, arguments).x
-
-
-def beginning(problem: ClothProblem, arguments: ClothArguments) -> Beginning:
-    """Where cloth begins, with supports where they are at first."""
+def beginning(problem: ClothProblem, arguments: ClothArguments, retreating: bool = True) -> Beginning:
+    """Where cloth begins, with supports where they are at first; bodies may be `retreating` from it."""
     x = _placed(problem, arguments)
     placed = out = problem.corners(x)
     movable, doubts = ~arguments.supports.mask.any(axis=1), []
     if contact := problem.contact:
         out = brought_out(contact.bodies, placed, problem.mesh.cells, movable, contact.thickness)
+        if retreating and (retreat := retreats(problem, placed, out)) is not None:
+            return Beginning(x, placed, placed, placed, movable, retreat)
         if count := int((movable & still_inside(contact.bodies, out, contact.thickness)).sum()):
             doubts.append(f"{_nodes(count)} still inside bodies: no way out was found")
         doubts.append(through_words(contact.bodies, placed, out, problem.mesh.edge_nodes))
     ordered, doubt = _ordered(problem, out, movable)
-    moved = not np.array_equal(ordered, placed)
-    return Beginning(
-        problem.flat(ordered) if moved else x, placed, out, ordered, movable, tuple(filter(None, [*doubts, doubt]))
-    )
+    x = x if np.array_equal(ordered, placed) else problem.flat(ordered)
+    return Beginning(x, placed, out, ordered, movable, doubts=tuple(filter(None, [*doubts, doubt])))
 
 
 def _ordered(problem: ClothProblem, x: np.ndarray, movable: np.ndarray) -> tuple[np.ndarray, str]:
@@ -101,6 +101,8 @@ def start_notes(problem: ClothProblem, begun: Beginning, scene: Scene) -> list[s
     if problem.contact:
         refuse_squeezed(problem.contact, begun.placed, scene.bodies)
         found = penetration_notes("begins", problem, scene, penetrations(problem.contact, begun.placed))
+        if begun.retreat is not None:
+            return [f"{note}: {RETREATED}" for note in found]
         out = _moved(begun.placed, begun.out)
         found = [f"{note}: {out} put outside, the nearest way" if out else note for note in found]
     if problem.ordered_layers:

@@ -21,7 +21,7 @@ from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.layer_order import is_another_order
 from restshape.physics.cloth.material_motion import in_frames
-from restshape.physics.cloth.relaxation.beginning import beginning, initial_positions, start_notes
+from restshape.physics.cloth.relaxation.beginning import beginning, start_notes
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
@@ -70,7 +70,7 @@ def bind(
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     if cold:
-        begun = beginning(problem, arguments)
+        begun = beginning(problem, arguments, options.strategy == "auto")
         state, notes = replace(state, x=begun.x), tuple(start_notes(problem, begun, scene))
         notes += tuple(problem.seams.ease_notes()) if problem.seams else ()
     state.solver.set_tolerance(options.settings.tolerance)
@@ -173,7 +173,7 @@ def _dropped_again(
     hand = farthest(problem, problem.constrain(known) - known)
     expected = state.expected or Expected(known, hand, 0.0, energy, energy)
     expected = replace(expected, energy=expected.work, derive=None, dropped=True)
-    doubts, x = (*state.doubts, AGAIN), initial_positions(problem, arguments)
+    doubts, x = (*state.doubts, AGAIN), beginning(problem, arguments).x
     problem.end_frame(x)
     return replace(state, x=x, doubts=doubts, expected=expected)
 

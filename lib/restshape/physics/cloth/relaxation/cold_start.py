@@ -13,8 +13,9 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import HINGE_STIFFNESS
-from restshape.physics.cloth.relaxation.beginning import initial_positions
+from restshape.physics.cloth.relaxation.beginning import beginning
 from restshape.physics.cloth.relaxation.close_seams import close_seams
+from restshape.physics.cloth.relaxation.come_back import come_back
 from restshape.physics.cloth.relaxation.equilibrium import NEAR, ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.finer_start import finer_places
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -75,14 +76,12 @@ class ColdStart:
             solver = self.solver if last and not self.replaced else self._stand_in(mesh)
             log.info("Cold start: mesh of %d nodes", len(mesh.X))
             try:
-                problem, before = solver.problem, self.skipped + level - 1
-                x = (
-                    problem.flat(finer_places(problem, self.hierarchy.steps[before], places))
-                    if level
-                    else initial_positions(problem, self.arguments(mesh))
-                )
-                solver.problem.begin(x)
-                if level == 0:
+                if level:
+                    step = self.hierarchy.steps[self.skipped + level - 1]
+                    x = solver.problem.flat(finer_places(solver.problem, step, places))
+                    solver.problem.begin(x)
+                else:
+                    x = self._begun(solver, mesh, most, report)
                     close_seams(solver, x, most, report)
                 if level == 0 and self.softened:
                     soften(solver, x, most, report)
@@ -94,6 +93,15 @@ class ColdStart:
                 if solver is not self.solver:
                     solver.destroy()
         return self.solver.problem.flat(places) if self.replaced else x
+
+    def _begun(self, solver: EquilibriumSolver, mesh: Mesh, most: int, report: ConvergenceReport) -> np.ndarray:
+        """Positions (n, 3) from which the cloth falls, outside of bodies, which may have come to it."""
+        arguments = self.arguments(mesh)
+        begun = beginning(solver.problem, arguments)
+        solver.problem.begin(begun.x)
+        if begun.retreat is not None:
+            come_back(solver, begun.x, arguments.forms, begun.retreat, most, report)
+        return begun.x
 
     def go_on(self, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
         """Fall from positions x (n, 3), which are changed, such as those beside a saddle.
