@@ -21,7 +21,7 @@ COLOURS = {
 }
 OTHERS = ("#cc79a7", "#882255", "#999933", "#332288")
 WORDS = {
-    "auto": "auto: soft first, quasi-Newton, Newton",
+    "auto": "auto: fall, quasi-Newton, Newton",
     "kinetic": "kinetic damping",
     "rayleigh": "Rayleigh damping",
     "newton": "Newton, true tangent",
@@ -35,7 +35,7 @@ SHOWN = 1e-7, 1e3
 def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path, goal: float = 1e-4) -> None:
     """Writes the picture as a PNG: residual over weight against seconds and against steps, a line a way.
 
-    Dotted where the membrane is soft yet, or the mesh a coarser one; a dot where a way rests, a cross where it ends
+    Dotted where other cloth stands in: softer, with hinges, or on a coarser mesh; a dot where a way rests, a cross where it ends
     otherwise.
 
     Args:
@@ -92,5 +92,5 @@ def _legend(runs: Mapping[str, Any], colours: Mapping[str, str], goal: float) ->
     ]
     handles.append(Line2D([], [], color=GOAL, linestyle="--", linewidth=0.9, label=f"tolerance: {goal:g}"))
     if any(energy is None for run in runs.values() for energy in run["trace"]["energies"]):
-        handles.append(Line2D([], [], color=FAINT, linestyle=":", label="soft membrane, or a coarser mesh"))
+        handles.append(Line2D([], [], color=FAINT, linestyle=":", label="stand-in: softer, hinges, or a coarser mesh"))
     return handles
