@@ -39,7 +39,7 @@ class Trace:
 
     Attributes:
         seconds, residuals, energies: one each, and those at the end of a run that is not given up; an energy is None
-            where the membrane is soft, or the mesh a coarser one.
+            where other cloth stands in: softer, with hinges, or on a coarser mesh.
         x: (n, 3) the last iterate [m] on the scene's own mesh; None before the first.
     """
 

@@ -35,8 +35,8 @@ SHOWN = 1e-7, 1e3
 def draw_residuals(name: str, runs: Mapping[str, Mapping[str, Any]], path: Path, goal: float = 1e-4) -> None:
     """Writes the picture as a PNG: residual over weight against seconds and against steps, a line a way.
 
-    Dotted where other cloth stands in: softer, with hinges, or on a coarser mesh; a dot where a way rests, a cross where it ends
-    otherwise.
+    Dotted where other cloth stands in: softer, with hinges, or on a coarser mesh; a dot where a way rests, a cross
+    where it ends otherwise.
 
     Args:
         name: of the scene.
