@@ -159,6 +159,11 @@ def _points(scene: Scene, outline: Outline) -> dict[int, str]:
 
 def _place(scene: Scene, constrained: dict[int, set[str]], outline: Outline, wedge: Wedge) -> SingularPlace | None:
     """What the place of a wedge is; None where stress is bounded."""
+    axes = [constrained.get(edge, set()) for edge in wedge.sides]
+    same = len(axes) == 2 and axes[0] == axes[1] and len(axes[0]) != 1
+    bounded = same and wedge.angle < np.pi * (1.0 + SMALL)
+    if bounded and len(wedge.sectors) == 1:
+        return None
     kinds = {name: _kind(scene, name, outline.points[wedge.point]) for name in {name for _, name in wedge.sectors}}
     sectors = _merged([Sector(angle, *kinds[name]) for angle, name in wedge.sectors], not wedge.sides)
     if wedge.within and abs((wedge if wedge.sides else sectors[0]).angle - np.pi) <= TURN:
@@ -167,12 +172,10 @@ def _place(scene: Scene, constrained: dict[int, set[str]], outline: Outline, wed
         found = bonded_exponent(sectors, None, None) if len(sectors) > 1 and not _straight(sectors) else None
         cause = MATERIALS
     else:
-        axes = [constrained.get(edge, set()) for edge in wedge.sides]
-        same = axes[0] == axes[1] and len(axes[0]) != 1
-        if same and len(sectors) == 1 and wedge.angle < np.pi * (1.0 + SMALL):
+        if bounded and len(sectors) == 1:
             return None
-        x, y = wedge.along
-        turned = {"x": (round(float(x), 9), round(float(-y), 9)), "y": (round(float(y), 9), round(float(x), 9))}
+        x, y = round(wedge.along.real, 9), round(wedge.along.imag, 9)
+        turned = {"x": (x, -y), "y": (y, x)}
         first, last = (_condition(one, turned) for one in axes)
         if len(sectors) == 1:
             found = exponent(sectors[0].angle, first, last, sectors[0].kappa)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from cmath import exp, phase
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import atan, pi
 
 import numpy as np
 
@@ -23,14 +25,14 @@ class Wedge:
     Args:
         point: index of the control point.
         sides: indices of the boundary edges that it lies between, the first side's first; none around an inner point.
-        along: (2,) direction of the first side away from the point.
+        along: direction of the first side away from the point, x + i y of length 1.
         sectors: angle [rad] and name of the material of each part, counter-clockwise from the first side.
         within: it is a point inside a polyline.
     """
 
     point: int
     sides: tuple[int, ...]
-    along: np.ndarray
+    along: complex
     sectors: tuple[tuple[float, str], ...]
     within: bool
 
@@ -42,9 +44,9 @@ class Wedge:
 
 @dataclass(frozen=True)
 class _Ray:
-    """A border between materials as it leaves a point: its direction (2,) and the material to its left."""
+    """A border between materials as it leaves a point: its direction, x + i y, and the material to its left."""
 
-    direction: np.ndarray
+    direction: complex
     left: str
     within: bool
 
@@ -66,18 +68,17 @@ def wedges(scene: Scene, outline: Outline) -> Iterator[Wedge]:
             for point, forth, towards in _turns(outline, after, onward):
                 yield Wedge(point, (after, after), forth, ((_angle(forth, towards), left),), True)
     for point, around in rays.items():
-        first, *others = sorted(around, key=lambda ray: np.arctan2(*ray.direction[::-1]))
-        sectors = _sectors(first.direction, 2.0 * np.pi, first.left, others)
+        first, *others = sorted(around, key=lambda ray: phase(ray.direction))
+        sectors = _sectors(first.direction, 2.0 * pi, first.left, others)
         yield Wedge(point, (), first.direction, sectors, all(ray.within for ray in around))
 
 
-def _angle(first: np.ndarray, last: np.ndarray) -> float:
+def _angle(first: complex, last: complex) -> float:
     """From a direction to another [rad], counter-clockwise, above 0."""
-    turn = np.arctan2(first[0] * last[1] - first[1] * last[0], first @ last)
-    return float(turn % (2.0 * np.pi)) or 2.0 * np.pi
+    return phase(last * first.conjugate()) % (2.0 * pi) or 2.0 * pi
 
 
-def _sectors(along: np.ndarray, angle: float, left: str, rays: list[_Ray]) -> tuple[tuple[float, str], ...]:
+def _sectors(along: complex, angle: float, left: str, rays: list[_Ray]) -> tuple[tuple[float, str], ...]:
     """The parts of an angle that starts at a direction with a material to its left, cut by rays."""
     inner = sorted((_angle(along, ray.direction), ray.left) for ray in rays)
     starts = [(0.0, left), *((at, name) for at, name in inner if SMALL < at < angle - SMALL)]
@@ -85,20 +86,27 @@ def _sectors(along: np.ndarray, angle: float, left: str, rays: list[_Ray]) -> tu
     return tuple((end - start, name) for (start, name), end in zip(starts, ends, strict=True))
 
 
-def _leaving(outline: Outline, edge: int, onward: bool) -> np.ndarray:
-    """The direction (2,) in which an edge leaves its start, or its end where it is gone along backwards."""
-    t = outline.tangent(edge, 0.0)[0] if onward else -outline.tangent(edge, 1.0)[0]
-    return t / np.hypot(*t)
+def _leaving(outline: Outline, index: int, onward: bool) -> complex:
+    """The direction in which an edge leaves its start, or its end where it is gone along backwards."""
+    edge = outline.edges[index]
+    if edge.kind in ("line", "arc"):
+        start, end = (complex(*outline.points[point]) for point in (edge.start, edge.end))
+        # Half of the arc's angle, from the chord.
+        turn = exp(2j * atan(outline.bulges[index]))
+        way = (end - start) / turn if onward else (start - end) * turn
+    else:
+        way = complex(*outline.tangent(index, 0.0)[0]) if onward else -complex(*outline.tangent(index, 1.0)[0])
+    return way / abs(way)
 
 
-def _turns(outline: Outline, edge: int, onward: bool) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """The inner points of a polyline, each with its directions (2,) onward and back."""
+def _turns(outline: Outline, edge: int, onward: bool) -> Iterator[tuple[int, complex, complex]]:
+    """The inner points of a polyline, each with its directions onward and back."""
     if outline.edges[edge].kind != "polyline":
         return
     controls = outline.layout.controls[edge][:: 1 if onward else -1].tolist()
-    steps = np.diff(outline.points[controls], axis=0)
-    steps /= np.hypot(*steps.T)[:, None]
-    for point, came, goes in zip(controls[1:-1], steps[:-1], steps[1:], strict=True):
+    steps = np.diff(outline.points[controls], axis=0) @ [1.0, 1j]
+    steps /= np.abs(steps)
+    for point, came, goes in zip(controls[1:-1], steps[:-1].tolist(), steps[1:].tolist(), strict=True):
         yield point, goes, -came
 
 
