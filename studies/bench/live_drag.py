@@ -149,7 +149,7 @@ async def _moved(page: Page, mouse: Mouse, drag: Drag, roots: dict[int, str]) ->
     await mouse.move(x, y)
     await mouse.press(x, y)
     await page.wait_for_timeout(500)
-    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [] })")
+    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [], turns: [] })")
     before, begun = spent(roots), time.perf_counter()
     for number in range(drag.places):
         await asyncio.sleep(max(begun + number / drag.rate - time.perf_counter(), 0.0))
@@ -193,11 +193,17 @@ def summed_up(noted: dict[str, Any], used: Spent, took: float) -> dict[str, Any]
         "answers": len(waits),
         "shown_ms": {"p50": share(waits, 0.5), "p95": share(waits, 0.95)},
         "input_ms": {"p50": share(inputs, 0.5), "p95": share(inputs, 0.95)},
-        "frames_per_second": drawn / took,
+        "frames_per_second": rate([at for _, at in noted["drawn"]]),
+        "turns_per_second": rate(noted["turns"]),
         "bytes": median(noted["bytes"]) if noted["bytes"] else 0,
         "processor_ms": {kind: 1e3 * seconds / max(drawn, 1) for kind, seconds in used.by.items()},
         "elsewhere": used.elsewhere / took,
     }
+
+
+def rate(times: Sequence[float]) -> float:
+    """How often a second, from the first to the last of rising times [ms]; NaN of fewer than two."""
+    return 1e3 * (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 else math.nan
 
 
 def share(rising: Sequence[float], of: float) -> float:

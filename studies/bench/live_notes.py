@@ -1,7 +1,7 @@
 """What is run in the page of a live session that is measured."""
 
 NOTES = """(() => {
-  const noted = { sent: new Map(), drawn: [], bytes: [], shown: 0, moved: [0, 0] };
+  const noted = { sent: new Map(), drawn: [], bytes: [], turns: [], shown: 0, moved: [0, 0] };
   window.restshapeNoted = noted;
   const moved = ({ timeStamp }) => { noted.moved = [performance.now(), timeStamp]; };
   document.addEventListener("pointermove", moved, true);
@@ -16,6 +16,11 @@ NOTES = """(() => {
       super.send(text);
     }
   };
+  const turn = () => {
+    noted.turns.push(performance.now());
+    requestAnimationFrame(turn);
+  };
+  requestAnimationFrame(turn);
   // The first answer is on screen after the drawing that follows its numbers.
   const first = new MutationObserver(() => {
     first.disconnect();

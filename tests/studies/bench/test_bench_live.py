@@ -25,13 +25,15 @@ def arguments(*words: str) -> Namespace:
 def test_a_drag_is_summed_up_by_first_drawings():
     sent = [[number, [10.0 * number, 10.0 * number - 4]] for number in range(10)]
     drawn = [[number, 10.0 * number + 5 + number] for number in range(0, 10, 2)]
-    noted = {"sent": sent, "drawn": [*drawn, [8, 500.0], [77, 501.0]], "bytes": [30, 10, 20]}
+    noted = {"sent": sent, "drawn": [*drawn, [8, 500.0], [77, 505.0]], "bytes": [30, 10, 20], "turns": [0, 16, 32, 50]}
     found = summed_up(noted, Spent({"server": 0.7}, 1.0), 2.0)
     assert found["shown_ms"] == {"p50": 9.0, "p95": 13.0}
     assert found["input_ms"] == {"p50": 13.0, "p95": 17.0}
-    assert (found["answers"], found["frames_per_second"], found["bytes"], found["elsewhere"]) == (5, 3.5, 20, 0.5)
+    assert (found["answers"], found["bytes"], found["elsewhere"]) == (5, 20, 0.5)
+    assert (found["frames_per_second"], found["turns_per_second"]) == (12.0, 60.0)
     assert found["processor_ms"] == pytest.approx({"server": 100.0})
-    assert isnan(summed_up({"sent": [], "drawn": [], "bytes": []}, Spent({}, 0.0), 1.0)["shown_ms"]["p95"])
+    nothing = summed_up({"sent": [], "drawn": [], "bytes": [], "turns": []}, Spent({}, 0.0), 1.0)
+    assert isnan(nothing["shown_ms"]["p95"]) and isnan(nothing["frames_per_second"])
 
 
 @pytest.mark.cli
