@@ -4,12 +4,14 @@ import json
 import os
 import random
 import socket
+import time
 
 import numpy as np
 import pytest
 from live_worker import BRACKET, COARSE, LocalSession, bracket, cut, remote_session, replayed
 
 import restshape
+from restshape.live.answering import NEWS
 from restshape.replay.loop import Replay
 from restshape.replay.recorder import Recorder
 
@@ -190,7 +192,10 @@ def test_numbers_things_fields_and_rates_are_said_and_follow_the_scene(scene):
     (known,) = [one for one in session.drain() if one["type"] == "known"]
     assert any(one["value"] == 0.01 for one in known["numbers"]) and "things" not in known
     session.event("hole", name="more", center=[0.2, 0.07], radius=0.01)
-    session.worker._say_changes()
+    soon = session.worker._say_changes()
+    assert soon is not None and 0.0 < soon <= NEWS
+    time.sleep(soon)
+    assert session.worker._say_changes() is None
     assert any(one["name"] == "more" for one in session.drain()[-1]["things"])
     (rates,) = session.say("rates", of="window")
     found = session.live.sim.frame.derivative("window")

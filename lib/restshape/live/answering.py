@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
+from math import inf
 from time import monotonic
 from typing import TYPE_CHECKING, cast
 
@@ -39,6 +40,8 @@ MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
 MOST_RUN = 100_000
 """Frames in which time goes on by itself, at most, after something was done."""
+NEWS = 0.1
+"""Seconds at least between two looks for numbers, limits and things that have changed: nobody reads faster."""
 PACE = 1 / 60
 """Seconds between two frames in which time goes on, at least: those of edit time."""
 
@@ -59,6 +62,7 @@ class Worker(MessageLoop):
         self._rested = 0
         self._marks, self._moved_marks = True, MovedMarks()
         self._due: float | None = None
+        self._looked_for_changes = -inf
         self._gestures = Gestures(live)
         self.handlers |= {
             page.EventMessage: self._event,
@@ -99,7 +103,7 @@ class Worker(MessageLoop):
 
     def idle(self) -> None:
         """Goes on with what goes on by itself, or waits for a message."""
-        self._say_changes()
+        later = self._say_changes()
         if self.player is not None and self.player.playing:
             self.wait(self.player.go_on())
         elif self._due is not None:
@@ -108,7 +112,7 @@ class Worker(MessageLoop):
             self._rest()
         else:
             self.end_rest()
-            self.wait(None)
+            self.wait(later)
 
     def before(self, message: page.Message) -> None:
         """What comes to rest by itself does so no more."""
@@ -333,11 +337,18 @@ class Worker(MessageLoop):
         script = {"script": player.text if player else "", "frames": player.frames if player else 0}
         self.say(self.words.welcome(said | script))
 
-    def _say_changes(self) -> None:
+    def _say_changes(self) -> float | None:
+        """Says what has changed, but not too often; in how many seconds it is to be said, None where all was."""
         if forms := self.words.forms():
             self.say(forms)
-        if self.player is None and (changed := self.words.changed()):
+        if self.player is not None or not self.words.outdated:
+            return None
+        if (early := self._looked_for_changes + NEWS - monotonic()) > 0.0:
+            return early
+        if changed := self.words.changed():
             self.say(changed)
+        self._looked_for_changes = monotonic()
+        return None
 
     def moment(self) -> Moment:
         """What a page sees of the last frame."""

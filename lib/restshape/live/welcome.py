@@ -54,13 +54,17 @@ class SessionWords:
         due, self._forms = self._forms, False
         return {"type": "known", "events": events_said(self._live.scene)} if due else None
 
+    @property
+    def outdated(self) -> bool:
+        """Whether something may not be as it was when it was said last."""
+        state = self._state()
+        return len(state) != len(self._looked) or any(one is not other for one, other in zip(state, self._looked))
+
     def changed(self) -> dict[str, object] | None:
         """What is not as it was when it was said last; None where all is."""
-        state = self._state()
-        if len(state) == len(self._looked) and all(one is other for one, other in zip(state, self._looked)):
+        if not self.outdated:
             return None
-        self._looked = state
-        found = self._found()
+        self._looked, found = self._state(), self._found()
         new = {key: value for key, value in found.items() if value != self._said.get(key)}
         self._said = found
         return {"type": "known", **new} if new else None

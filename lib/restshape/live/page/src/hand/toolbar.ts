@@ -34,7 +34,8 @@ export function showToolbars(app: App, scene: Scene, tools: Tools, pointer: Poin
     }
     selection.replaceChildren(...chosen(app, tools, pointer, pointer.targets));
   };
-  for (const what of ["welcome", "tool", "role", "selected", "known"] as const) app.on(what, arrange);
+  for (const what of ["welcome", "tool", "role", "selected"] as const) app.on(what, arrange);
+  app.on("known", ({ things, events }) => { if (things || events) arrange(); });
   arrange();
   showView(app, scene, pointer);
 }
