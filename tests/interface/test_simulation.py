@@ -75,8 +75,8 @@ def test_a_hand_calls_little_beside_the_frame_of_a_replay(bracket):
     for _ in range(2):
         next(run)
     replayed = [called(lambda: next(run)) for _ in places]
-    # `hand_more_ms` of `bench live` has their time: 20 us of the processor for 41 calls.
-    assert 20 < np.median(np.subtract(by_hand, replayed)) <= 45
+    # `hand_more_ms` of `bench live` has their time.
+    assert 15 < np.median(np.subtract(by_hand, replayed)) <= 31
 
 
 def test_arrays_are_those_of_the_frame_and_stay(bracket):

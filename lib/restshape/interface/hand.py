@@ -24,6 +24,9 @@ class Doer(Protocol):
     def do(self, do: str, /, **keys: object) -> ShownFrame:
         """Carries out an event; its last frame."""
 
+    def move(self, to: list[object]) -> ShownFrame:
+        """Moves what it holds to a place; the frame of that."""
+
     def each(self, do: str, /, **keys: object) -> Iterator[ShownFrame]:
         """Carries out an event; each of its frames."""
 
@@ -52,7 +55,9 @@ class Hand:
         Raises:
             UserError: the place is not valid; RefusedFrame: it cannot be gone to, as of `Simulation.do`.
         """
-        return self._took(self._sim.do("drag", to=[x, y] if z is None else [x, y, z], frames=frames))
+        to: list[object] = [x, y] if z is None else [x, y, z]
+        self.frame = self._sim.move(to) if frames is None else self._sim.do("drag", to=to, frames=frames)
+        return self.frame
 
     def along(self, path: Sequence[Sequence[Length]], frames: int | None = None) -> Iterator[ShownFrame]:
         """Moves along a path; each frame as soon as it is computed.

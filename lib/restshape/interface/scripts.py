@@ -60,9 +60,9 @@ class WrittenScript:
         Raises:
             UserError: it is not valid, or cannot come now; the script stays as it is.
         """
-        number, known = len(self._tables) + 2, self._reader.known
-        if do == "drag" and (motion := self._moved_on(number, keys)):
+        if do == "drag" and (motion := self._moved_on(keys)):
             return motion
+        number, known = len(self._tables) + 2, self._reader.known
         if do not in known:
             raise UserError(f"there is no event {do!r}", f"{PLACE}: line {number}", suggestion(do, list(known)))
         fields = known[do].model_fields
@@ -74,36 +74,43 @@ class WrittenScript:
         # No event may begin while the frames of the one before it last.
         return self._take_in(number, table, self.t)
 
-    def _moved_on(self, number: int, keys: Mapping[str, object]) -> EventLine | None:
-        """The motion of a hand that goes on from that of the event before to other numbers, which are all that is new.
-
-        It is for the hand that asks for many frames a second. All else of the event was validated in the one before.
-
-        Args:
-            number: of its line; keys: of the event.
-
-        Returns:
-            The event, None where it is to be validated as any other.
-        """
-        last = self._reader.events[-1] if self._reader.events else None
-        if type(last) is not Drag or last.to is None or last.model_fields_set != MOTION:
-            return None
+    def _moved_on(self, keys: Mapping[str, object]) -> EventLine | None:
+        """The motion of a hand that goes on, as of `moved_on`; None where it says more than a place."""
         to = keys.get("to")
-        if not isinstance(to, list) or len(to) != len(last.to):
+        if not isinstance(to, list):
             return None
         for key, value in keys.items():
             if key != "to" and value is not None:
                 return None
+        return self.moved_on(to)
+
+    def moved_on(self, to: list[object]) -> EventLine | None:
+        """The motion of a hand that goes on from that of the event before to another place, which is all that is new.
+
+        It is for the hand that asks for many frames a second. All else of the event was validated in the one before.
+
+        Args:
+            to: the place.
+
+        Returns:
+            The event, None where it is to be validated as any other.
+        """
+        events = self._reader.events
+        last = events[-1] if events else None
+        if type(last) is not Drag or last.to is None or last.model_fields_set != MOTION or len(to) != len(last.to):
+            return None
         for one in to:
             if not isinstance(one, float) or not isfinite(one):
                 return None
         # NumPy's numbers are of a kind that JSON does not know.
-        place = [float(one) for one in to]
-        event = last.model_copy(update={"line": number, "t": self.t, "to": tuple(place)})
-        self._reader.events.append(event)
-        self._reader.t = self.t
-        self._tables.append({"t": self.t, "do": "drag", "to": place})
-        self.t = _end(self.t, 1)
+        place, t = [*map(float, to)], self.t  # type: ignore[arg-type]
+        # As `model_copy` does with an update, which would look first at what is known here.
+        event = last.__copy__()
+        event.__dict__.update(line=len(events) + 2, t=t, to=tuple(place))
+        events.append(event)
+        self._reader.t = t
+        self._tables.append({"t": t, "do": "drag", "to": place})
+        self.t = _end(t, 1)
         return event
 
     def follow(self, table: Mapping[str, object]) -> EventLine:

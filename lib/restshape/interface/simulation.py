@@ -134,6 +134,22 @@ class Simulation(Edits):
             pass
         return self.frame
 
+    def move(self, to: list[object]) -> ShownFrame:
+        """Moves what the hand holds to a place, as `do` of a drag to it would, but with less to look at on the way.
+
+        Args:
+            to: its two or three coordinates [m]; errors as of `do`.
+        """
+        self._finish()
+        event = self._written.moved_on(to)
+        if event is None:
+            return self.do("drag", to=to)
+        self._rows = self._replay.answers(self._replay.session.frames_of(event))
+        self._finish()
+        if self._strict and self.frame.row["refused"]:
+            raise RefusedFrame(self.frame)
+        return self.frame
+
     def each(self, do: str, /, **keys: object) -> Iterator[ShownFrame]:
         """Carries out an event; each of its frames as soon as it is computed.
 
