@@ -11,7 +11,7 @@ import pytest
 from live_worker import BRACKET, COARSE, LocalSession, bracket, cut, remote_session, replayed
 
 import restshape
-from restshape.live.answering import NEWS
+from restshape.live.welcome import NEWS
 from restshape.replay.loop import Replay
 from restshape.replay.recorder import Recorder
 

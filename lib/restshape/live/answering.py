@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
-from math import inf
 from time import monotonic
 from typing import TYPE_CHECKING, cast
 
@@ -40,8 +39,6 @@ MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
 MOST_RUN = 100_000
 """Frames in which time goes on by itself, at most, after something was done."""
-NEWS = 0.1
-"""Seconds at least between two looks for numbers, limits and things that have changed: nobody reads faster."""
 PACE = 1 / 60
 """Seconds between two frames in which time goes on, at least: those of edit time."""
 
@@ -62,7 +59,6 @@ class Worker(MessageLoop):
         self._rested = 0
         self._marks, self._moved_marks = True, MovedMarks()
         self._due: float | None = None
-        self._looked_for_changes = -inf
         self._gestures = Gestures(live)
         self.handlers |= {
             page.EventMessage: self._event,
@@ -341,14 +337,11 @@ class Worker(MessageLoop):
         """Says what has changed, but not too often; in how many seconds it is to be said, None where all was."""
         if forms := self.words.forms():
             self.say(forms)
-        if self.player is not None or not self.words.outdated:
+        if self.player is not None:
             return None
-        if (early := self._looked_for_changes + NEWS - monotonic()) > 0.0:
-            return early
-        if changed := self.words.changed():
+        if (early := self.words.due()) is None and (changed := self.words.changed()):
             self.say(changed)
-        self._looked_for_changes = monotonic()
-        return None
+        return early
 
     def moment(self) -> Moment:
         """What a page sees of the last frame."""

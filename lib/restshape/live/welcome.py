@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from restshape.application import ShownColumn, application_of
@@ -15,6 +17,10 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
+NEWS = 0.1
+"""Seconds at least between two looks for numbers, limits and things that have changed: nobody reads faster."""
+
+
 class SessionWords:
     """What a page knows of a session besides frames.
 
@@ -26,7 +32,7 @@ class SessionWords:
         self._live, self._numbers = live, SceneNumbers()
         self._said: dict[str, object] = {}
         self._looked: tuple[object, ...] = ()
-        self._forms = True
+        self._forms, self._when = True, -inf
 
     def welcome(self, more: Mapping[str, object]) -> dict[str, object]:
         """All of it but the schemas of events, which `forms` says, with what the session itself has to say."""
@@ -54,17 +60,21 @@ class SessionWords:
         due, self._forms = self._forms, False
         return {"type": "known", "events": events_said(self._live.scene)} if due else None
 
-    @property
-    def outdated(self) -> bool:
-        """Whether something may not be as it was when it was said last."""
+    def due(self) -> float | None:
+        """In how many seconds to look for changes, where something may have changed too soon; None: nothing has."""
+        early = self._when + NEWS - monotonic()
+        return early if early > 0.0 and self._outdated() else None
+
+    def _outdated(self) -> bool:
+        """Whether something may not be as it was when it was looked at last."""
         state = self._state()
         return len(state) != len(self._looked) or any(one is not other for one, other in zip(state, self._looked))
 
     def changed(self) -> dict[str, object] | None:
         """What is not as it was when it was said last; None where all is."""
-        if not self.outdated:
+        if not self._outdated():
             return None
-        self._looked, found = self._state(), self._found()
+        self._looked, found, self._when = self._state(), self._found(), monotonic()
         new = {key: value for key, value in found.items() if value != self._said.get(key)}
         self._said = found
         return {"type": "known", **new} if new else None
