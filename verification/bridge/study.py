@@ -32,6 +32,7 @@ class SessionCourse:
         score: (n,) area [m^2], always known.
         stress: (n,) largest von Mises stress [Pa]; not a number where it is not known.
         holds: (n,) whether the design is known to hold.
+        uncertain: (n,) whether its stress is nearer to the limit than it is known.
         fails: (n,) whether it is known to fail.
         analysed: frames that were solved; in the others nothing had changed, or nobody asked.
         milliseconds: that the frames took, the first left out.
@@ -41,6 +42,7 @@ class SessionCourse:
     score: np.ndarray
     stress: np.ndarray
     holds: np.ndarray
+    uncertain: np.ndarray
     fails: np.ndarray
     analysed: int
     milliseconds: float
@@ -62,7 +64,8 @@ def followed(rows: list[dict]) -> SessionCourse:
     statuses = np.array([row["constraint_status"] for row in rows])
     solved = sum(row["iterations"] > 0 for row in rows)
     taken = float(sum(row["ms"] for row in rows[1:]))
-    return SessionCourse(t, score, stress, np.isin(statuses, (HOLDS, UNCERTAIN)), statuses == FAILS, solved, taken)
+    holds, uncertain, fails = (statuses == status for status in (HOLDS, UNCERTAIN, FAILS))
+    return SessionCourse(t, score, stress, holds, uncertain, fails, solved, taken)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,9 +79,10 @@ def run(args: argparse.Namespace) -> int:
     ways = study()
     print("illustration with one scripted designer, after figure 4.14 of the thesis; not a user study")
     for name, way in ways.items():
+        found = f"{way.holds.sum()} known to hold, {way.fails.sum()} to fail, {way.uncertain.sum()} uncertain"
         print(
             f"analysis {name}: smallest area known to hold {way.best[-1]:.2f} m^2; {way.analysed} of {len(way.t)} "
-            f"frames solved, {way.holds.sum()} known to hold, {way.fails.sum()} to fail"
+            f"frames solved, {found}"
         )
     if args.picture:
         from restshape_studies.pictures.score import draw_score
@@ -91,6 +95,6 @@ def run(args: argparse.Namespace) -> int:
 
 def _plain(way: SessionCourse) -> dict[str, Any]:
     """What one way reports, for programs: lists by frames, null where nothing is known."""
-    known = {name: getattr(way, name).tolist() for name in ("t", "score", "holds", "fails")}
+    known = {name: getattr(way, name).tolist() for name in ("t", "score", "holds", "uncertain", "fails")}
     unsure = {name: [float(x) if np.isfinite(x) else None for x in getattr(way, name)] for name in ("stress", "best")}
     return {**known, **unsure, "analysed": way.analysed, "ms": way.milliseconds}

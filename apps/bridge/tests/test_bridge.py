@@ -55,7 +55,7 @@ def test_both_ways_agree_where_both_know(ways):
     known = asked.holds | asked.fails
     np.testing.assert_array_equal(always.holds[known], asked.holds[known])
     np.testing.assert_allclose(always.stress[known], asked.stress[known], rtol=1e-4)
-    assert (always.holds | always.fails).all() and always.fails.any() and asked.fails.any()
+    assert (always.holds | always.uncertain | always.fails).all() and always.fails.any() and asked.fails.any()
     # Knowing more designs cannot give a worse best one.
     assert (always.best <= asked.best).all() and always.best[-1] < asked.best[-1]
     assert asked.analysed <= 7
@@ -63,9 +63,10 @@ def test_both_ways_agree_where_both_know(ways):
 
 def test_the_best_area_counts_designs_that_hold_only():
     keys = ("t", "q_score", "q_strength", "constraint_status", "iterations", "ms")
-    table = [(0, 9, 1, "holds", 3, 9), (1, 5, 8, "fails", 2, 1), (2, 7, 3, "holds", 2, 1), (3, 8, 2, "holds", 0, 1)]
-    way = followed([dict(zip(keys, row)) for row in table])
-    assert way.best.tolist() == [9, 9, 7, 7] and way.analysed == 3 and way.milliseconds == 3
+    table = [(0, 9, 1, "holds", 3, 9), (1, 5, 8, "fails", 2, 1), (2, 7, 3, "holds", 2, 1), (3, 6, 4, "uncertain", 2, 1)]
+    way = followed([dict(zip(keys, row)) for row in [*table, (4, 8, 2, "holds", 0, 1)]])
+    assert way.best.tolist() == [9, 9, 7, 7, 7] and way.analysed == 4 and way.milliseconds == 4
+    assert way.uncertain.tolist() == [False, False, False, True, False]
 
 
 @pytest.mark.weekly
