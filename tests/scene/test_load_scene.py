@@ -169,7 +169,7 @@ def test_an_error_in_the_shape_is_located(scene_file):
         ('peak = { stress = "von_mises" }', 'peak = { stress = "mises" }', "did you mean 'von_mises'"),
         ('peak = { stress = "von_mises" }', 'peak = { reduce = "max" }', "none of them"),
         ("[parameters]", "[parameters]\nx = 1", "meaning in formulas"),
-        ("a = [0, 0]", "all = [0, 0]", "means something already"),
+        ("a = [0, 0]", "all = [0, 0]", "is a keyword: it stands for everything"),
         ("a = [0, 0]", '"a b" = [0, 0]', "cannot be a name"),
         ("[material.steel]", "[material.rest]\nE = 1\nnu = 0\n[material.steel]", "both fill"),
         ("[material.steel]", '[material.steel]\nregion = "patch"', "outside of the regions"),

@@ -118,7 +118,7 @@ def test_every_event(read):
         ({"t": 0, "do": "scale", "on": "a", "factor": 0}, "greater than 0"),
         ({"t": 0, "do": "insert", "on": "a", "name": "v"}, "exactly one of at, s"),
         ({"t": 0, "do": "insert", "on": "a", "name": "v", "s": 1}, "less than 1"),
-        ({"t": 0, "do": "insert", "on": "a", "name": "all", "s": 0.5}, "means something already"),
+        ({"t": 0, "do": "insert", "on": "a", "name": "all", "s": 0.5}, "is a keyword: it stands for everything"),
         ({"t": 0, "do": "arc", "on": "a"}, "exactly one of through, bulge"),
         ({"t": 0, "do": "hole", "name": "h", "center": [0, 0]}, "radius is wanted here, too"),
         ({"t": 0, "do": "hole", "name": "h", "polygon": [[0, 0], [1, 1]]}, "at least 3 entries"),

@@ -17,9 +17,10 @@ from restshape.physics.cloth.drape_shadow import DrapeShadow, ShadowEdge
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber
-from restshape.scene.given_numbers import value_below
+from restshape.scene.given_numbers import unit_at, value_below
 from restshape.scene.load import revise
 from restshape.scene.model import Scene
+from restshape.scene.source import split_key
 
 TOLERANCE = 1e-6
 """Of derivatives, relative to their right sides."""
@@ -181,8 +182,9 @@ class DrapesByNumber:
         return (ends[0].edge.radii - ends[1].edge.radii) / (2.0 * step)
 
     def words(self, values: Sequence[float]) -> str:
-        """The numbers with values."""
-        return ", ".join(f"{key} = {value:.4g}" for key, value in zip(self.keys, values))
+        """The numbers with values [SI]."""
+        units = [unit_at(self.scene, split_key(key)) for key in self.keys]
+        return ", ".join(f"{key} = {value:.4g} {unit}".rstrip() for key, value, unit in zip(self.keys, values, units))
 
     def _seen(self, values: np.ndarray) -> Drape:
         state = self._analysis.state

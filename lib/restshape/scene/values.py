@@ -29,7 +29,8 @@ from restshape.scene.units import EXAMPLES, UnitError, quantity, reads_as_quanti
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 PART = re.compile(rf"{NAME.pattern}(?:\.[A-Za-z0-9_-]+)*")
 """Names in a shape, which loops, edits and mesh files make of others: ``window.1``."""
-RESERVED = ("all", "outline")
+RESERVED = {"all": "everything", "outline": "all edges of the outline"}
+"""Names that scenes and scripts give to parts of each shape, and what they stand for."""
 
 
 class Strict(Described):
@@ -223,7 +224,7 @@ def _read_name(raw: object) -> str:
     if not isinstance(raw, str):
         raise UnitError(f"a name is wanted here, not {raw!r}")
     if raw in RESERVED:
-        raise UnitError(f"{raw!r} means something already", "choose another name")
+        raise UnitError(f"{raw!r} is a keyword: it stands for {RESERVED[raw]}", "choose another name")
     if len(raw) > NAME_CHARACTERS:
         raise UnitError(f"a name has more than {NAME_CHARACTERS} characters", "choose a shorter one")
     if not NAME.fullmatch(raw):

@@ -18,7 +18,7 @@ LISTED = 12
 def name_of(text: str) -> str:
     """A text of a drawing as a name in a scene: other characters than letters, digits, - and _ become _.
 
-    Empty for no text, and for words that mean something already: `outline` and `all`.
+    Empty for no text, and for keywords: `outline` and `all`.
     """
     if not text or text in RESERVED:
         return ""
