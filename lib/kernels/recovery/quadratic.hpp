@@ -84,36 +84,38 @@ class QuadraticPatchRecovery {
                 patches_[patch].balance += after * (after + 1) - before * (before + 1);
             }
         }
-        for_samples([this](int e, size_t sample, const double* at) {
-            const Value value = Eigen::Map<const Value>(values_ + 4 * sample);
+        static constexpr Table<Quadratic<2>, Samples> table{};
+        for (int e = 0; e < ne_; ++e) {
+            double at[Samples::points][2] = {};
+            for (int s = 0; s < Samples::points; ++s)
+                for (int i = 0; i < 6; ++i)
+                    for (int a = 0; a < 2; ++a) at[s][a] += table.value[s][i] * place(cell(e)[i])[a];
+            const double* values = values_ + static_cast<size_t>(e) * Samples::points * 4;
             for (int i = 0; i < 3; ++i) {
                 const int corner = cell(e)[i];
-                take(patches_[nodes_[corner].patch], at[0] - place(corner)[0], at[1] - place(corner)[1], value);
+                take(patches_[nodes_[corner].patch], place(corner), at, values);
             }
-        });
-    }
-
-    // Calls visit(cell, sample, its place) for all samples.
-    template <class Visit>
-    void for_samples(Visit visit) const {
-        static constexpr Table<Quadratic<2>, Samples> table{};
-        for (int e = 0; e < ne_; ++e)
-            for (int s = 0; s < Samples::points; ++s) {
-                double at[2] = {0.0, 0.0};
-                for (int i = 0; i < 6; ++i)
-                    for (int a = 0; a < 2; ++a) at[a] += table.value[s][i] * place(cell(e)[i])[a];
-                visit(e, static_cast<size_t>(e) * Samples::points + s, at);
-            }
-    }
-
-    static void take(Patch& p, double x, double y, const Value& value) {
-        double f[terms];
-        monomials(x, y, f);
-        const Pack all = {f[0], f[1], f[2], f[3], f[4], f[5]};
-        for (int i = 0; i < terms; ++i) {
-            p.m[i] += f[i] * all;
-            p.b[i] += f[i] * value;
         }
+    }
+
+    // Adds the moments of a cell's samples, which stay in registers until all of them are added.
+    static void take(Patch& p, const double* corner, const double (&at)[Samples::points][2], const double* values) {
+        Pack m[terms];
+        Value b[terms];
+        std::copy_n(p.m, terms, m);
+        std::copy_n(p.b, terms, b);
+        for (int s = 0; s < Samples::points; ++s) {
+            double f[terms];
+            monomials(at[s][0] - corner[0], at[s][1] - corner[1], f);
+            const Pack all = {f[0], f[1], f[2], f[3], f[4], f[5]};
+            const Value value = Eigen::Map<const Value>(values + 4 * s);
+            for (int i = 0; i < terms; ++i) {
+                m[i] += f[i] * all;
+                b[i] += f[i] * value;
+            }
+        }
+        std::copy_n(m, terms, p.m);
+        std::copy_n(b, terms, p.b);
     }
 
     // Several patches at once, one a lane, where cells go all the way around; the others one by one.

@@ -46,8 +46,8 @@ class LagrangeSpace(OverMesh):
 
     Args:
         mesh: of the corners, whose nodes may move and whose edges may flip.
-        numbered: a space over as many nodes and edges that has numbered them; None: they are numbered again,
-            which after flips gives others.
+        numbered: a space over as many nodes and edges, and the same facets, that has numbered them; None: they are
+            numbered again, which after flips gives others.
 
     Attributes:
         X: (n, d) rest positions [m]; cells: (ne, 6) corners, then the middles of the sides (0, 1), (1, 2), (2, 0).
@@ -67,18 +67,21 @@ class LagrangeSpace(OverMesh):
         self.mesh = mesh
         if numbered is None:
             self.corner_number, self.side_number, self.node_offsets = _numbers(mesh)
+            edges = edges_between(mesh.edge_nodes, mesh.facets)
+            middles = self.side_number[edges]
+            self.facets = np.column_stack([self.corner_number[mesh.facets], middles]).astype(np.int32)
+            self.curved, self._groups = self._find_curved(edges)
         else:
             known = numbered.corner_number, numbered.side_number, numbered.node_offsets
             self.corner_number, self.side_number, self.node_offsets = known
+            self.facets, self.curved, self._groups = numbered.facets, numbered.curved, numbered._groups
         self.X = np.empty((len(self.corner_number) + len(self.side_number), self.dim))
         self.places = np.zeros(len(self.X), dtype=np.int32)
         self.places[self.corner_number] = mesh.places
         self.corners = np.empty_like(mesh.cells)
         self.cells = np.empty((len(mesh.cells), 6), dtype=np.int32)
-        edges = edges_between(mesh.edge_nodes, mesh.facets)
-        middles = self.side_number[edges]
-        self.facets = np.column_stack([self.corner_number[mesh.facets], middles]).astype(np.int32)
-        self._find_curved(edges)
+        self.offset = np.zeros((len(self.curved), self.dim))
+        self._straight = np.zeros(len(self.curved), dtype=bool)
         self.interpolations: tuple[EdgeInterpolation, ...] = ()
         self.set_gesture(None)
         self.bend(mesh.outline)
@@ -228,22 +231,20 @@ class LagrangeSpace(OverMesh):
 
     # --- parts ----------------------------------------------------------------------------------------------------
 
-    def _find_curved(self, edges: np.ndarray) -> None:
-        """Set `curved`, the mesh edges (int32) on arcs and splines, with the parameters of their ends and middles."""
+    def _find_curved(self, edges: np.ndarray) -> tuple[np.ndarray, list[tuple[int, np.ndarray, np.ndarray]]]:
+        """The mesh edges (nc,) int32 on arcs and splines, and by outline edge the parameters of middles and ends."""
         mesh = self.mesh
         bends = np.array([edge.kind in ("arc", "spline") for edge in mesh.outline.edges])
         chosen = np.flatnonzero(bends[mesh.facet_edge])
         chosen = chosen[np.argsort(mesh.facet_edge[chosen], kind="stable")]
-        self.curved, own = edges[chosen].astype(np.int32), mesh.facet_edge[chosen]
-        self.offset = np.zeros((len(chosen), self.dim))
-        self._straight = np.zeros(len(chosen), dtype=bool)
+        own = mesh.facet_edge[chosen]
         nodes = mesh.facets[chosen]
         starts = mesh.vertex_node[[mesh.outline.edges[e].start for e in own]] if len(own) else own
         # A vertex knows its parameter on one of its edges only.
         elsewhere = np.where(nodes == starts[:, None], 0.0, 1.0)
         ends = np.where(mesh.node_edge[nodes] == own[:, None], mesh.node_param[nodes], elsewhere)
         kinds, first = np.unique(own, return_index=True)
-        self._groups = [
+        return edges[chosen].astype(np.int32), [
             (int(edge), rows, np.concatenate([part.mean(axis=1), part[:, 0], part[:, 1]]))
             for edge, rows in zip(kinds, np.split(np.arange(len(own)), first[1:]))
             for part in (ends[rows],)
