@@ -16,6 +16,7 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
 from restshape.analysis.correction import KeptOperation, RowOperation
+from restshape.analysis.displacement_projection import project_displacement
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
@@ -196,8 +197,7 @@ class TransientAnalysis:
         # Where flips did not suffice they have moved nodes in the middle of edges, after this state.
         space = old.problem.space
         y, rates = (space.interpolate(field, space.interpolations) for field in (old.unknowns(now.y), now.v))
-        x = transfer(space, new.problem.space, y)
-        v = project_velocity(old.mass, new.mass, rates) if before.integration.scheme.order == 2 else np.zeros_like(x)
+        x, v = _brought(old, new, y, rates, before.integration.scheme.order == 2)
         self.begin(x, v, now.time)
         account = before.account
         if account.known:
@@ -401,18 +401,17 @@ class TransientAnalysis:
         return EffectiveSystem(self.context.comm, body, integration.scheme, self.context.policy.backend)
 
     def _project(self, before: SemiDiscrete) -> None:
-        """Bring the motion to a new mesh: unknowns interpolated, velocities projected; rates of diffusion are new."""
+        """Bring the motion to a new mesh."""
         state = self.state
         body, now, account = state.body, state.now, state.account
         if account.known:
             # The nodes of the mesh before already lie on the new shape, wherever they could follow it.
             energy = before.energy(now.y, now.v)
             account = replace(account, edit=account.edit + (energy - account.last))
-        y = transfer(before.problem.space, body.problem.space, before.unknowns(now.y)) - body.problem.boundary.values
         second = state.integration.scheme.order == 2
-        log.info("Unknowns interpolated to %d nodes%s", len(y), ", velocities projected" if second else "")
-        v = project_velocity(before.mass, body.mass, now.v) if second else np.zeros_like(y)
-        self._enter(y, v, self.time)
+        x, v = _brought(before, body, before.unknowns(now.y), now.v, second)
+        log.info("Unknowns %s to %d nodes", "and velocities projected" if second else "interpolated", len(x))
+        self._enter(x - body.problem.boundary.values, v, self.time)
         if account.known:
             last = self.energy()
             account = replace(account, last=last, remesh=account.remesh + (last - energy))
@@ -550,3 +549,16 @@ class TransientAnalysis:
     def step_matrix(self) -> sp.csr_matrix:
         """The matrix of the last step as it stands, whole on every rank."""
         return gather_matrix(self.state.system.mat, self.context.comm)
+
+
+def _brought(
+    old: SemiDiscrete, new: SemiDiscrete, x: np.ndarray, v: np.ndarray, second: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Unknowns and rates (n, f) on a new mesh: projected where the problem is of second order in time.
+
+    Those of diffusion are interpolated, and their rates are new.
+    """
+    if second:
+        return project_displacement(old, new, x), project_velocity(old.mass, new.mass, v)
+    there = transfer(old.problem.space, new.problem.space, x)
+    return there, np.zeros_like(there)

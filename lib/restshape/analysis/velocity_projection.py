@@ -7,7 +7,7 @@ import numpy as np
 from restshape.fem.mass import MassMatrix
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quadratic_basis import quadratic_basis
-from restshape.mesh.quadrature import DEGREE_4
+from restshape.mesh.quadrature import SAMPLES
 from restshape.mesh.transfer import Transfer
 
 ROUGH = 1e-3
@@ -19,9 +19,9 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
     """Velocities (n_new, 2) [m/s] on a new mesh: the projection of v with the mass matrix, with v's momentum.
 
     M_new v_new = integral of N_new rho v, on the new mesh by the rule of the three edge midpoints, of second order by
-    Dunavant's of degree 4. What is then missing
-    of the momentum (the rule's error, and what lies between two outlines) is made up for by the smallest change in the
-    norm of the mass matrix: multiples of the projections of uniform velocities along x and y. Prescribed nodes rest.
+    one of 16 points (`quadrature.SAMPLES`). What is then missing of the momentum (the rule's error, and what lies
+    between two outlines) is made up for by the smallest change in the norm of the mass matrix: multiples of the
+    projections of uniform velocities along x and y. Prescribed nodes rest.
 
     Args:
         old, new: on the mesh before and on the new one.
@@ -56,7 +56,7 @@ def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
 def _quadratic_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     """Integral of N_new rho v (n_new, 2) on triangles of second order."""
     mesh = new.space
-    points, weights = DEGREE_4
+    points, weights = SAMPLES
     values, slopes = quadratic_basis(points[:, 1:])
     ne = len(mesh.cells)
     # Products of two matrices, a column for each cell and component: einsum takes four times as long.

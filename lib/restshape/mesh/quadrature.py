@@ -23,3 +23,8 @@ def collapsed(n: int) -> tuple[np.ndarray, np.ndarray]:
     y = t * (1.0 - x)
     weights = 2.0 * np.outer(w * (1.0 - s), w)
     return np.stack([1.0 - x - y, x, y], axis=-1).reshape(-1, 3), weights.ravel()
+
+
+SAMPLES = collapsed(4)
+"""For fields of another mesh, which are smooth in parts of a cell only: with fewer points of second order, waves as
+short as the cells grow from mesh to mesh."""
