@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.body_motion import moved_with
+from restshape.physics.cloth.body_motion import moved_with, turn_of, turning_of
 from restshape.scene.bodies import Body
 
 POINTS = np.random.default_rng(0).normal(size=(6, 3))
@@ -49,3 +49,19 @@ def test_half_a_turn_is_one():
     found = moved_with(plane([0.0, 0.0, 1.0]), plane([0.0, 0.0, -1.0]), POINTS)
     np.testing.assert_allclose(found[:, 2], -POINTS[:, 2], atol=1e-14)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), np.linalg.norm(POINTS, axis=1), atol=1e-14)
+
+
+def test_a_capsule_whose_ends_pass_each_other_does_not_turn():
+    """Its ends go straight: it gets shorter until it is a ball, and longer again."""
+    before, after = capsule([-1, 0, 0], [1, 0, 0]), capsule([1, 0, 0], [-1, 1e-3, 0])
+    assert turning_of(before, after) < 1e-3
+    assert np.abs(moved_with(before, after, POINTS) - POINTS).max() < 5e-3
+    # An axis that looks the other way of a half-space has turned.
+    np.testing.assert_allclose(np.trace(turn_of(plane([0, 0, 1]), plane([0, 0, -1]))), -1.0, atol=1e-12)
+
+
+def test_a_body_turns_by_all_that_its_numbers_say():
+    """By more than half a turn, too, which would be a shorter one the other way."""
+    boxes = [{"box": {"center": [0, 0, 0], "half": [1, 1, 1], "rotate": [0, 0, angle]}} for angle in (0.0, 5.0)]
+    assert turning_of(*map(Body.model_validate, boxes)) == pytest.approx(5.0)
+    assert turning_of(capsule([0, 0, 0], [2, 0, 0]), capsule([0, 0, 0], [0, 3, 0])) == pytest.approx(np.pi / 2)

@@ -227,3 +227,20 @@ def test_friction_is_handed_on_to_another_mesh(folded):
     # At half of the way three quarters of the coefficient.
     np.testing.assert_allclose(held[12], [0.0, -0.75 * FRICTION, 0.0], atol=0.01 * FRICTION)
     np.testing.assert_allclose(held[20], held[12], atol=0.05 * FRICTION)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_cloth_that_is_folded_over_in_its_own_plane_does_not_touch_itself_yet(turn):
+    """A corner lies in the triangle beside its own: no edge passes through one, and the barrier is infinite."""
+    X, cells = grid(4)
+    contact = SelfContact(CollisionSurface(X, cells), SelfContactValues(D, STIFFNESS, 0.0, SLIP))
+    corner = next(node for node in range(len(X)) if (cells == node).sum() == 1)
+    own = cells[(cells == corner).any(axis=1)][0]
+    beside = next(cell for cell in cells if len(np.intersect1d(cell, own)) == 2)
+    x = np.column_stack([X, np.zeros(len(X))])
+    x = x @ np.array([[np.cos(turn), 0.0, np.sin(turn)], [0.0, 1.0, 0.0], [-np.sin(turn), 0.0, np.cos(turn)]])
+    assert contact.begin(x)
+    x[corner] = x[beside].mean(axis=0)
+    assert not contact.surface.crosses(x) and not contact.begin(x)
+    x[corner] += 1e-3 * np.array([-np.sin(turn), 0.0, np.cos(turn)])
+    assert contact.begin(x) and np.isfinite(contact.energy(x))

@@ -11,6 +11,9 @@ from restshape.physics.cloth.mannequin.growth import taken_to
 from restshape.scene.bodies import Body, MannequinBody
 from restshape.shape.placement import rotation, rotation_rates
 
+PASSED = -0.95
+"""Cosine of the angle between two axes of a capsule beyond which its ends, which go straight, passed each other."""
+
 Frame = tuple[np.ndarray, np.ndarray]
 
 
@@ -53,7 +56,7 @@ def moved_with(before: Body, after: Body, points: np.ndarray) -> np.ndarray:
         own = taken_to(before.form, after.form, (points - from_) @ np.linalg.inv(A).T)
         return own @ B.T + to
     if before.kind in ("capsule", "cylinder", "plane"):
-        B = _turn(A[:, 0], B[:, 0]) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
+        B = _turn(A[:, 0], _onward(before, A[:, 0], B[:, 0])) @ _axes(A[:, 0]) * np.linalg.norm(B, axis=0)
     return (points - from_) @ np.linalg.inv(A).T @ B.T + to
 
 
@@ -68,7 +71,21 @@ def turn_of(before: Body, after: Body) -> np.ndarray:
             return rotation(after.form.turn) @ rotation(before.form.turn).T
         case _:
             first, second = body_axes(before)[1][:, 0], body_axes(after)[1][:, 0]
-            return _turn(first, second)
+            return _turn(first, _onward(before, first, second))
+
+
+def turning_of(before: Body, after: Body) -> float:
+    """The angle [rad] by which a body turns while its numbers go straight, at most; 0 of spheres and half-spaces."""
+    match before.kind:
+        case "sphere" | "plane":
+            return 0.0
+        case "box":
+            return float(np.abs(np.subtract(after.form.rotate, before.form.rotate)).sum())
+        case "mesh" | "mannequin":
+            return float(np.abs(np.subtract(after.form.turn, before.form.turn)).sum())
+        case _:
+            cosine = 0.5 * (float(np.trace(turn_of(before, after))) - 1.0)
+            return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def _axes(axis: np.ndarray) -> np.ndarray:
@@ -81,6 +98,12 @@ def _axes(axis: np.ndarray) -> np.ndarray:
     b = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
     b /= np.linalg.norm(b)
     return np.column_stack([a, b, np.cross(a, b)])
+
+
+def _onward(body: Body, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The direction that an axis has after: its ends have passed each other where it looks the other way then."""
+    opposite = before @ after < PASSED * np.linalg.norm(before) * np.linalg.norm(after)
+    return -after if opposite and body.kind != "plane" else after
 
 
 def _turn(before: np.ndarray, after: np.ndarray) -> np.ndarray:

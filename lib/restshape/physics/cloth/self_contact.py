@@ -20,6 +20,8 @@ FIRST, SECOND = (list(which) for which in zip(*((i, j) for i in range(4) for j i
 """Of lists of four nodes, both columns of each pair."""
 LEAST_SHARE = 1e-12
 """The share of a step that is gone where parts touch already."""
+MET = 1e-6
+"""Distance below which parts lie in each other, over that at which contact begins: folded over in their own plane."""
 FULL, DIAGONAL = 9, 6
 """Numbers of a block of second derivatives of two nodes, and of one."""
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
@@ -76,6 +78,13 @@ class Encounter:
         """Whether anything is near."""
         return len(self.collisions) > 0
 
+    @property
+    def met(self) -> bool:
+        """Whether parts lie in each other, as where cloth is folded over in its own plane: the barrier is infinite."""
+        owner = self.owner
+        least = self.near and self.collisions.compute_minimum_distance(owner.mesh, self.places)
+        return self.near and not least > (MET * owner.values.thickness) ** 2
+
     @cached_property
     def by_pattern(self) -> Any:
         """Derivatives (3 n, 3 n) [N/m] of the barrier's forces by the places of nodes in the flat pattern."""
@@ -118,10 +127,15 @@ class SelfContact:
 
     def begin(self, x: np.ndarray) -> bool:
         """Let it act unless the cloth crosses itself at x (n, 3); returns whether it acts."""
-        active = not self.surface.crosses(x)
+        self._act(not self.surface.crosses(x), len(x))
+        if self.active and self.at(x).met:
+            self._act(False, len(x))
+        return self.active
+
+    def _act(self, active: bool, n: int) -> None:
+        """Let it act on n nodes, or not."""
         if active != self.active:
-            self.active, self._encounter, self.history = active, None, LayerFriction.none(len(x))
-        return active
+            self.active, self._encounter, self.history = active, None, LayerFriction.none(n)
 
     def set_values(self, values: SelfContactValues) -> None:
         """Take other values; what is near is looked for again."""

@@ -84,7 +84,7 @@ def _placed(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
     """
     x = problem.flat(arguments.start)
     ways = arguments.start - arguments.placed
-    if not problem.self_contact or not ways.any() or not problem.surface.crosses(problem.corners(x)):
+    if not problem.self_contact or not ways.any() or problem.begin(x):
         return x
     constrained = np.flatnonzero(arguments.supports.mask.any(axis=1)).astype(np.int32)
     drawn = arguments.placed + HarmonicExtension(problem.mesh, constrained).adapted(ways[constrained])

@@ -18,6 +18,7 @@ from restshape.algebra.tries import Tries
 from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.relaxation.cloth_slide import SLIDES, ClothSlide, slides_on
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 
@@ -36,6 +37,8 @@ SLIPPING = 1e-2
 """Slip distance that friction may still have at an equilibrium, over that at which it is all there."""
 STIFFER = 10.0
 """Factor of the inertia where a descent does not get on."""
+SLOW = 1e3
+"""Factor of the inertia of a run after one in which cloth has begun to slide."""
 LEAST = 1e-9
 """Strain whose forces are the least that residuals of cloth without weight are measured against."""
 FIXED = 200
@@ -89,9 +92,10 @@ class EquilibriumSolver:
         self._newton = Newton(comm, f"{prefix}newton_", linear, shape, rows) if linear else None
         self._met, self._noted, self.tries = -1, 0, Tries()
         self.on_iterate: Callable[[EquilibriumSolver, np.ndarray, float], None] = lambda *_: None
-        self.descent.on_step, self.descent.step_share = weak_call(self.note), problem.step_share
+        self._slide = ClothSlide(problem)
+        self.descent.on_step, self.descent.step_share = weak_call(self._note_descent), weak_call(self._descent_share)
         self._moving.on_step, self._falling.on_step = weak_call(self.note), weak_call(self._note_fall)
-        self._fell = np.inf
+        self._fell, self._fell_from = np.inf, np.empty((0, 3))
         for motion in (self._moving, self._falling):
             motion.step_share = problem.step_share
             # Friction that followed at peaks alone would be none for what slides ever faster and has no peak.
@@ -165,7 +169,7 @@ class EquilibriumSolver:
         """
         report.take_softness(self.problem.softness)
         self.problem.update_friction(x)
-        falling, self._fell = self._falling, np.inf
+        falling, self._fell, self._fell_from = self._falling, np.inf, np.empty((0, 3))
         falling.set_mass(self.equations.mass)
         try:
             with self.stages("krylov"):
@@ -198,6 +202,9 @@ class EquilibriumSolver:
         report.why = ""
         while taken < most:
             report.slip = self.problem.update_friction(x, moving=True)
+            if self._slide.begin(x, taken == 0):
+                # Sliding is slow then, and normal forces get right, for contact is far stiffer.
+                equations.inertia = SLOW * least
             before = x.copy()
             with self.stages("krylov"):
                 norm = self.descent.run(x, goal * self.scale(x), min(MEMORY, most - taken))
@@ -216,17 +223,18 @@ class EquilibriumSolver:
                 x[:] = before
             if report.residual <= goal:
                 return True
-            if self.problem.falls(x):
-                report.falls, report.why = True, self.problem.why_it_falls
+            if self.problem.falls(x) or self._slide.endless(x):
+                report.falls, report.why = True, self.problem.why_it_falls if self.problem.falling else SLIDES
                 # Nothing is left of friction then.
                 self.problem.update_friction(x)
                 return False
             # A descent that ends at once has a tangent that does not fit: more inertia makes steps shorter.
-            failed = failed + 1 if steps < 2 else 0
+            short = steps < 2 and not self._slide.ended
+            failed = failed + 1 if short else 0
             if failed >= TRIES:
                 report.why = "no step makes the energy smaller"
                 return False
-            equations.inertia = equations.inertia * STIFFER if steps < 2 else max(equations.inertia / STIFFER, least)
+            equations.inertia = equations.inertia * STIFFER if short else max(equations.inertia / STIFFER, least)
         return False
 
     def refine(self, x: np.ndarray, report: ConvergenceReport) -> bool:
@@ -312,10 +320,23 @@ class EquilibriumSolver:
         # Looked at in every step it would cost a twentieth of it.
         return self._noted % MEMORY == 0 and self.problem.falls(x)
 
+    def _note_descent(self, x: np.ndarray, norm: float) -> bool:
+        """The same of a descent; true too where friction has to follow."""
+        ends = self.note(x, norm)
+        return self._slide.reached(x) or ends
+
+    def _descent_share(self, x: np.ndarray, d: np.ndarray) -> float:
+        """The share of a step d (n, 3) from x (n, 3) [m] that lets nothing pass, nor slide too far."""
+        share = self._slide.share(x, d)
+        return share * self.problem.step_share(x, share * d)
+
     def _note_fall(self, x: np.ndarray, norm: float) -> bool:
         """The same of a fall; true too where the energy hardly falls any more, as where something stands in the way."""
         ends = self.note(x, norm)
         if ends or self._noted % MEMORY:
             return ends
         before, self._fell = self._fell, self.problem.energy(x)
-        return before - self._fell < STALLED * abs(self._fell)
+        places, self._fell_from = self._fell_from, self.problem.corners(x).copy()
+        # Descents find out whether friction would hold it where it does not get faster and faster.
+        slides = len(places) > 0 and slides_on(self.problem, places, self._fell_from, self.problem.size)
+        return slides or before - self._fell < STALLED * abs(self._fell)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import logging
+import math
 from dataclasses import replace
 
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of
+from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of, turning_of
 from restshape.physics.cloth.body_path import BodyPath, goes_on
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
@@ -27,6 +28,8 @@ PATIENCE = 6
 """Descents in a row after which a body that has not got any farther goes on all the same; the frame is doubted then."""
 MOST_PARTS = 1_000
 """Parts of a frame's way at most; the rest is gone at once, and the frame is doubted."""
+TURNED = 1.1
+"""Angle by which a body turns in a part, at most [rad], with cloth that goes with it."""
 STILL = 0.1
 """A body has not got any farther where it went less than this part of the way that it may be in the cloth."""
 
@@ -49,11 +52,14 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
     x, share, parts, still, report = begin.copy(), 0.0, 1, 0, ConvergenceReport()
     now, doubts = before, set()
     while True:
-        way = body_guess(problem, x, now, state.bodies) * problem.boundary.free + (1.0 - share) * pulled
+        part = 1.0 / turns_of(problem, now, state.bodies)
+        aim = 1.0 if part == 1.0 else share + part * (1.0 - share)
+        # What goes so far in a part would go on as far.
+        way = body_guess(problem, x, now, path.at(aim)) * problem.boundary.free / part + (1.0 - share) * pulled
         corners, ways = problem.corners(x), problem.corners(way)
-        reached = path.farthest(share, corners, ways)
+        reached = min(aim, path.farthest(share, corners, ways))
         if problem.self_contact:
-            reached = min(reached, share + (1.0 - share) * problem.self_contact.step_share(corners, ways))
+            reached = min(reached, share + (aim - share) * problem.self_contact.step_share(corners, part * ways))
         least = path.least(share, corners, ways)
         still = still + 1 if reached < 1.0 and reached - share < STILL * least else 0
         if still > PATIENCE:
@@ -105,22 +111,34 @@ def take_along(history: FrictionHistory, before: tuple[Body, ...], after: tuple[
     return replace(history, anchors=along(history.anchors), begin=begin)
 
 
+def turns_of(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body, ...]) -> int:
+    """In how many parts the body alone turns that the cloth goes with: it goes straight in each, and would shrink."""
+    number = _carrier(problem, before, after)
+    return 1 if number is None else max(1, math.ceil(turning_of(before[number], after[number]) / TURNED))
+
+
+def _carrier(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body, ...]) -> int | None:
+    """The number of the body that the cloth goes with: it alone presses it, nothing else holds it, and it moves."""
+    pressed = [k for k in range(len(after)) if problem.contact.history.pressed(k)]
+    if len(pressed) != 1 or len(problem.boundary.constrained):
+        return None
+    old, new = before[pressed[0]], after[pressed[0]]
+    return pressed[0] if goes_on(old, new) and old.form != new.form else None
+
+
 def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], after: tuple[Body, ...]) -> np.ndarray:
     """How far (n, 3) cloth at x (n, 3) is guessed to go with bodies.
 
     Cloth that lies on one body alone, and hangs nowhere, goes where this goes.
     """
-    contact, way = problem.contact, np.zeros_like(x)
-    pressed = [k for k in range(len(after)) if contact.history.pressed(k)]
-    if len(pressed) != 1 or len(problem.boundary.constrained):
-        return way
-    old, new = before[pressed[0]], after[pressed[0]]
-    if not goes_on(old, new) or old.form == new.form:
-        return way
+    contact, number = problem.contact, _carrier(problem, before, after)
+    if number is None:
+        return np.zeros_like(x)
+    old, new = before[number], after[number]
     corners = problem.corners(x)
     # Slopes turn with the cloth.
     way = x @ turn_of(old, new).T - x
-    found = surface_motion(old, new, contact.place(corners), contact.history, pressed[0])
+    found = surface_motion(old, new, contact.place(corners), contact.history, number)
     way[problem.corner_number] = found[: len(corners)]
     return way
 
