@@ -17,10 +17,13 @@ import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
+import { roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
 import { Turns } from "../../../lib/restshape/live/page/src/hand/turns";
 import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
 import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
 import type { ArrayPlace, FrameMessage, Part } from "../../../lib/restshape/live/page/src/protocol";
+
+const SIDES = [[1, -1], [-1, -1], [1, 1], [-1, 1]];
 
 interface Known { viridis: number[][]; RdBu: number[][]; message: string; }
 const known = JSON.parse(readFileSync(process.env["PAGE_KNOWN"]!, "utf8")) as Known;
@@ -211,4 +214,17 @@ test("a part that has moved as it lies is read where it has gone", () => {
   assert.equal(at(part({}, [0, 2, 0]), "points"), null);
   assert.equal(arrivedPart(part({ displacement: place(2) }), read, kept).along, false);
   assert.deepEqual([...sent[0]!], [0, 0, 0, 1, 2, 3]);
+});
+
+test("words leave handles free where another side of their place does", () => {
+  const word = { width: 60, spot: 0 }, around = { width: 400, height: 300, taken: [], handles: [], spots: 4 };
+  const [left, top, right, bottom] = roomFor(word, 100, 100, around)!;
+  assert.ok(left > 100 && bottom < 100);
+  const beside: [number, number, number, number] = [left + 5, top + 2, left + 15, top + 12];
+  const other = roomFor(word, 100, 100, { ...around, handles: [beside] })!;
+  assert.ok(other[2] < 100 && word.spot === 1);         // to the left of its place
+  const all = SIDES.map(([x, y]): [number, number, number, number] => [100 + 20 * x!, 100 + 12 * y!, 101 + 20 * x!, 101 + 12 * y!]);
+  assert.deepEqual(roomFor(word, 100, 100, { ...around, handles: all }), other); // handles at all sides: where it was
+  assert.equal(roomFor(word, 100, 100, { ...around, taken: all }), null);
+  assert.ok(right - left === 60);
 });

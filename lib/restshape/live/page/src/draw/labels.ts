@@ -41,8 +41,8 @@ export class Labels {
     return any;
   }
 
-  /** Moves all words to where their places are seen. scale: of displacements. */
-  place(view: View, width: number, height: number, scale: number): void {
+  /** Moves all words to where their places are seen. scale: of displacements; handles: which they cover only where there is no other place. */
+  place(view: View, width: number, height: number, scale: number, handles: readonly Box[]): void {
     const taken: Box[] = [...this.covered], spots = this.count > MANY ? 1 : SPOTS.length;
     for (const shown of this.sets.values()) {
       for (const one of shown) {
@@ -50,7 +50,7 @@ export class Labels {
           one.at.x + scale * one.moved.x, one.at.y + scale * one.moved.y, one.at.z + scale * one.moved.z, this.work,
         );
         const seen = z < 1 && x > -20 && y > -20 && x < width + 20 && y < height + 20;
-        const box = seen ? roomFor(one, x, y, width, height, taken, spots) : null;
+        const box = seen ? roomFor(one, x, y, { width, height, taken, handles, spots }) : null;
         const free = box !== null, [left, top] = box ?? [0, 0];
         if (free) taken.push(box);
         if (one.free !== free) one.element.style.visibility = free ? "visible" : "hidden";
@@ -95,14 +95,21 @@ function say(shown: Shown): void {
   shown.width = widthOf(shown.text);
 }
 
-/** Where a word covers no other one: where it was, if that is still so. null: nowhere beside its place. */
-function roomFor(one: Shown, x: number, y: number, width: number, height: number, taken: readonly Box[], spots: number): Box | null {
-  for (let tried = 0; tried <= spots; tried += 1) {
-    const spot = tried === 0 ? Math.min(one.spot, spots - 1) : tried - 1, { right, above } = SPOTS[spot]!;
-    const box = boxAt(one.width, x, y, width, height, right, above);
-    if (taken.some((other) => meet(box, other))) continue;
-    one.spot = spot;
-    return box;
+/** taken: where no word may be, handles: nor should be; spots: that may be tried, those of `SPOTS` from the first. */
+export interface Around { width: number; height: number; taken: readonly Box[]; handles: readonly Box[]; spots: number; }
+
+/** Where a word covers no other one and no handle, else no other one: where it was, if that is still so. null: nowhere beside its place. */
+export function roomFor(one: { width: number; spot: number }, x: number, y: number, around: Around): Box | null {
+  const { width, height, taken, handles, spots } = around;
+  const before = Math.min(one.spot, spots - 1);
+  for (const avoided of handles.length ? [[...taken, ...handles], taken] : [taken]) {
+    for (let tried = 0; tried <= spots; tried += 1) {
+      const spot = tried === 0 ? before : tried - 1, { right, above } = SPOTS[spot]!;
+      const box = boxAt(one.width, x, y, width, height, right, above);
+      if (avoided.some((other) => meet(box, other))) continue;
+      one.spot = spot;
+      return box;
+    }
   }
   one.spot = 0;
   return null;

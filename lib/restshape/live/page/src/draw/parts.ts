@@ -1,17 +1,21 @@
 // The parts of the picture by name, as frames give them.
 
-import type { Object3D } from "three";
+import { Vector3, type Object3D } from "three";
 
 import type { Part } from "../protocol";
 import { Bounds } from "./bounds";
 import { arrivedPart, nothingSent, type Arrived, type Sent } from "./shifted";
 import { Dots } from "./dots";
 import { follow } from "./follow";
+import type { Box } from "./labels";
 import { Segments } from "./segments";
 import type { Shared } from "./shared";
 import { Surface, type Read } from "./surface";
 import type { Theme } from "./theme";
+import type { View } from "./view";
 
+const HANDLE = 5; // pixels from the middle of a dot to its rim
+const HANDLES = 60;
 const NONE = new Float32Array(0);
 const ORDER = { surface: 0, border: 4, lines: 6, dots: 8 };
 
@@ -34,6 +38,7 @@ export class Parts {
   readonly all = new Map<string, Shown>();
   readonly bounds = new Bounds();
   version = 0;                                       // counts changes of names and numbers of points
+  private readonly work = new Vector3();
 
   constructor(private readonly group: Object3D, private readonly shared: Shared, private readonly theme: Theme, private readonly dim: 2 | 3) {}
 
@@ -78,6 +83,22 @@ export class Parts {
 
   /** The box around all places as they are drawn. */
   drawnBox(): Bounds { return this.box(new Bounds(), this.shared.scale.value); }
+
+  /** Where the dots are seen by which the shape is held; none where there are more than words could leave free. */
+  handles(view: View): Box[] {
+    const found: Box[] = [], scale = this.shared.scale.value;
+    for (const { part, dots } of this.all.values()) {
+      if (part.role !== "outline" || !dots?.points.visible) continue;
+      const { places, shifts, count } = dots;
+      if (found.length + count > HANDLES) return [];
+      for (let k = 0; k < 3 * count; k += 3) {
+        const [dx, dy, dz] = shifts.length ? [shifts[k]!, shifts[k + 1]!, shifts[k + 2]!] : [0, 0, 0];
+        const { x, y } = view.toScreen(places[k]! + scale * dx, places[k + 1]! + scale * dy, places[k + 2]! + scale * dz, this.work);
+        found.push([x - HANDLE, y - HANDLE, x + HANDLE, y + HANDLE]);
+      }
+    }
+    return found;
+  }
 
   private box(bounds: Bounds, scale: number): Bounds {
     bounds.clear();

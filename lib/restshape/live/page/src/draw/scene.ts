@@ -258,10 +258,18 @@ export class Scene {
     const { clientWidth, clientHeight } = this.canvas;
     this.width = Math.max(clientWidth, 1);
     this.height = Math.max(clientHeight, 1);
-    this.view.resize(this.width, this.height);
+    this.view.resize(this.width, this.height, this.covered());
     this.grain();
     this.stale = true;
     this.draw();
+  }
+
+  /** Pixels of a narrow picture that the tools above and the colours below take. */
+  private covered(): { above: number; below: number } {
+    const tools = document.getElementById("tools"), foot = document.getElementById("foot");
+    if (!tools || !foot || getComputedStyle(foot).position !== "absolute") return { above: 0, below: 0 };
+    const { top, bottom } = this.canvas.getBoundingClientRect();
+    return { above: Math.max(tools.getBoundingClientRect().bottom - top, 0), below: Math.max(bottom - foot.getBoundingClientRect().top, 0) };
   }
 
   /** Takes as many pixels as the picture has now. */
@@ -282,7 +290,8 @@ export class Scene {
     this.asked = false;
     this.ahead.turn();
     this.paint();
-    this.labels.place(this.view, this.width, this.height, this.shared.scale.value);
+    // In a drag words stay beside their places.
+    this.labels.place(this.view, this.width, this.height, this.shared.scale.value, this.app.held ? [] : this.parts.handles(this.view));
     if (this.answered) this.app.tell("drawn", this.answered);
     this.answered = 0;
   }

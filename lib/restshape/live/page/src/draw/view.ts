@@ -20,6 +20,7 @@ export class View {
   private width = 1;
   private height = 1;
   private half = new Vector2(1, 1);                  // of what the plane view shows without zoom
+  private covered = { above: 0, below: 0 };          // pixels of the plane view that buttons and colours lie over
   private readonly work = new Vector3();
 
   constructor(canvas: HTMLCanvasElement, readonly dim: 2 | 3, changed: () => void) {
@@ -37,9 +38,12 @@ export class View {
     this.controls.addEventListener("end", () => { this.moving = false; });
   }
 
-  resize(width: number, height: number): void {
+  /** covered: pixels above and below in which other things lie, so that a shape in the plane is shown between them. */
+  resize(width: number, height: number, covered = { above: 0, below: 0 }): void {
     this.width = width;
     this.height = height;
+    // Where little is left the shape is shown below them.
+    this.covered = covered.above + covered.below < 0.7 * height ? covered : { above: 0, below: 0 };
     if (this.camera instanceof PerspectiveCamera) this.camera.aspect = width / height;
     else this.frame(this.camera);
     this.camera.updateProjectionMatrix();
@@ -87,11 +91,12 @@ export class View {
 
   /** Keeps the same scale in both directions. */
   private frame(camera: OrthographicCamera): void {
-    const scale = Math.max(this.half.x / this.width, this.half.y / this.height);
+    const { above, below } = this.covered, aside = above - below;
+    const scale = Math.max(this.half.x / this.width, this.half.y / (this.height - above - below));
     camera.right = scale * this.width;
     camera.left = -camera.right;
-    camera.top = scale * this.height;
-    camera.bottom = -camera.top;
+    camera.top = scale * (this.height + aside);
+    camera.bottom = scale * (aside - this.height);
   }
 
   /** Whether all corners of a box are in the picture; in the plane with room for the buttons at its sides. */
