@@ -98,8 +98,9 @@ def _touching(state: RelaxationState) -> list[Mark]:
         near |= body.distances(here) < contact.thickness
     if not near.any():
         return []
-    flat = np.pad(problem.X[: len(corners)], [(0, 0), (0, 1)])
-    at = contact.place(np.ascontiguousarray(flat))[near]
+    flat = np.zeros_like(corners)
+    flat[:, :2] = problem.X[: len(corners)]
+    at = contact.place(flat)[near]
     return [Lines("touches a body", at, range(len(at)), "force", here[near] - at)]
 
 

@@ -40,8 +40,9 @@ class ConditionMarks:
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
         """The marks of a frame."""
-        space = seen.space
-        bound = seen.scene, space, space.topology
+        space, scene = seen.space, seen.scene
+        # Edits of other tables leave these as they are.
+        bound = scene.supports, scene.loads, scene.effects, scene.parameters, space, space.topology
         if not _same(bound, self._bound):
             self._bound, self._acting = bound, [*_supports(seen.scene, space), *_loads(seen.scene, space)]
         drawn = *bound, space.geometry, seen.deformed

@@ -62,9 +62,10 @@ class ExtremeMarks:
         """The words of extremes and of limits of a frame; nothing where it shows no answer."""
         if not seen.solved:
             return []
-        scene, space = seen.scene, seen.space
-        if scene is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
-            self._bound = scene, space, space.topology
+        # Edits of other tables leave the quantities as they are.
+        quantities, space = seen.scene.quantities, seen.space
+        if quantities is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
+            self._bound = quantities, space, space.topology
             self._looked_at = {one.name: one for one in _looked_at(seen)}
         findings = {one.subjects[0]: one for one in seen.frame.findings if _on_limit(one)}
         marks: list[Words] = []

@@ -49,4 +49,6 @@ class SeenFrame:
         X = self.space.X[nodes]
         if self.deformed is None or self.deformed.shape[1] <= X.shape[1]:
             return X
-        return np.pad(X, [(0, 0)] * (X.ndim - 1) + [(0, self.deformed.shape[1] - X.shape[1])])
+        found = np.zeros((*X.shape[:-1], self.deformed.shape[1]))
+        found[..., : X.shape[-1]] = X
+        return found
