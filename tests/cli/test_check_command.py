@@ -207,3 +207,18 @@ def test_a_title_is_printed_as_plain_text(tmp_path, capsys):
     assert check(scene) == 0
     printed = capsys.readouterr().out
     assert "a[2Jb31mc" in printed and not {"\x1b", "\x9b", "\u202e"} & set(printed)
+
+
+def test_check_finds_supports_that_disagree(capsys):
+    """As the first frame of a replay does; where they agree, all is well."""
+    second = "supports.second={on='left',fix={x='%s'}}"
+    assert check(DATA / "plate.toml", "--set", second % "0") == 0
+    assert check(DATA / "plate.toml", "--set", second % "1 mm") == 2
+    assert "supports.second.fix.x: two supports prescribe different values" in capsys.readouterr().err
+
+
+def test_what_to_do_is_said_of_points_on_edges_and_of_lists_of_names(capsys):
+    assert check(DATA / "plate.toml", "--set", "shape.points={q=[0,0.5]}") == 2
+    assert "on an edge let it be a vertex" in capsys.readouterr().err
+    assert check(DATA / "plate.toml", "--set", "quantities.tip={displacement='x',at=['left','right']}") == 2
+    assert "[shape.groups]" in capsys.readouterr().err

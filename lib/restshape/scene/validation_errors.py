@@ -153,7 +153,9 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
                 written = "write a list in brackets in place of the table in braces"
             return f"a list is wanted here, {shown}", written
         case "string_type":
-            return f"text in quotes is wanted here, {shown}", ""
+            several = isinstance(given, list) and given and all(isinstance(one, str) for one in given)
+            do = "write one name; [shape.groups] gives several of a shape one name" if several else ""
+            return f"text in quotes is wanted here, {shown}", do
         case "float_type" | "float_parsing" | "int_type" | "int_parsing" | "int_from_float":
             return f"a {'whole ' * kind.startswith('int')}number is wanted here, {shown}", ""
     return f"{details['msg']}, {shown}", ""

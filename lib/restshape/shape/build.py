@@ -76,6 +76,8 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
     wrong = problem(outline)
     if wrong:
         do = "mend it: loops must neither cross, touch nor leave the outline"
+        if wrong.startswith("point ") and "closer" in wrong:
+            do = "move it inside; on an edge let it be a vertex, between two edges"
         apart = "give one of them another `at`, or leave it out: panels without are packed in rows"
         if not wrong.startswith("panel") and (dart := dart_named(spec.darts, outline, wrong)):
             do = "make the dart shorter, or narrower or wider, or move it"

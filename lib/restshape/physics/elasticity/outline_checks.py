@@ -1,8 +1,11 @@
 """What an outline shows of an elastic body before it has a mesh: whether it is constrained, and has a thickness."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from restshape.errors import ReplayProblem, UserError
+from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.body_load import require_density
@@ -16,12 +19,13 @@ GRID = 60
 
 
 def check_plane_solid(scene: Scene, outline: Outline) -> None:
-    """Makes sure that the supports hold the body, as far as the outline shows, and that gravity has a mass to pull.
+    """Makes sure that supports hold the body and agree, as far as the outline shows, and that gravity has a mass to pull.
 
     Raises:
-        UserError: they leave it free to move, or a material has no density.
+        UserError: they leave it free to move, or disagree at a place, or a material has no density.
     """
     check_supports(scene, outline)
+    _check_agreement(scene, outline)
     pull = scene.effects.get("gravity", {}).get("g")
     try:
         require_density(scene, None if pull is None else np.array(pull))
@@ -37,13 +41,44 @@ def check_supports(scene: Scene, outline: Outline) -> None:
     """
     points, masks = [np.zeros((0, 2))], [np.zeros((0, 2))]
     for support in scene.supports.values():
-        for entity in map(outline.entity, support.on):
-            edges = {*entity.edges, *(edge for loop in entity.loops for edge, _ in outline.loops[loop].edges)}
-            found = np.concatenate([outline.points[list(entity.vertices)], *map(outline.polyline, edges)])
-            points.append(found)
-            masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
+        found = _places(outline, support.on)
+        points.append(found)
+        masks.append(np.tile([axis in support.fix for axis in "xy"], (len(found), 1)))
     body = np.concatenate([outline.points, *points])
     check_rigid_body_modes(body, np.concatenate([np.zeros_like(outline.points), *masks]), scene)
+
+
+def _places(outline: Outline, names: Sequence[str]) -> np.ndarray:
+    """Places (k, 2) [m] of entities: vertices, and points along edges and around loops."""
+    found = [np.zeros((0, 2))]
+    for entity in map(outline.entity, names):
+        edges = {*entity.edges, *(edge for loop in entity.loops for edge, _ in outline.loops[loop].edges)}
+        found += [outline.points[list(entity.vertices)], *map(outline.polyline, edges)]
+    return np.concatenate(found)
+
+
+def _check_agreement(scene: Scene, outline: Outline) -> None:
+    """Refuses supports that prescribe different values where they meet on the outline, as the first frame does.
+
+    Raises:
+        UserError: two of them do; or a formula has no number there.
+    """
+    places = [_places(outline, support.on) for support in scene.supports.values()]
+    if not sum(map(len, places)):
+        return
+    points, numbers = np.unique(np.concatenate(places), axis=0, return_inverse=True)
+    nodes = np.split(numbers.ravel(), np.cumsum([len(found) for found in places])[:-1])
+    conditions = [
+        Prescribed(f"supports.{name}.fix.{axis}", "xy".index(axis), own, value)
+        for (name, support), own in zip(scene.supports.items(), map(np.unique, nodes))
+        for axis, value in support.fix.items()
+    ]
+    try:
+        Dirichlet((len(points), 2), conditions, scene.parameters, "m").evaluate(points)
+    except UserError as error:
+        raise scene.located(error) from error
+    except ReplayProblem as problem:
+        raise scene.located(UserError(str(problem), "supports", "change the formula")) from problem
 
 
 def check_thickness(scene: Scene, outline: Outline) -> None:
