@@ -58,11 +58,11 @@ def singular_places(
         asked: whether a control point is asked for where no force is taken or borne at a point: exponents take time.
             None: no such point is.
     """
-    points = _points(scene, outline)
+    constrained = _supports(scene, outline)
+    points = _points(scene, outline, constrained)
     found = [SingularPlace(v, outline.vertex_names[v], cause, 0.0) for v, cause in points.items()]
     if asked is None:
         return found
-    constrained = _supports(scene, outline)
     corners = (wedge for wedge in wedges(scene, outline) if wedge.point not in points and asked(wedge.point))
     others = (_place(scene, constrained, outline, wedge) for wedge in corners)
     return found + [place for place in others if place is not None]
@@ -142,10 +142,10 @@ def _supports(scene: Scene, outline: Outline) -> dict[int, set[str]]:
     return constrained
 
 
-def _points(scene: Scene, outline: Outline) -> dict[int, str]:
-    """Vertices that are loaded or constrained as points, with the cause."""
+def _points(scene: Scene, outline: Outline, constrained: dict[int, set[str]]) -> dict[int, str]:
+    """Vertices that are loaded or constrained as points, with the cause; `constrained` are edges that are."""
     found = {}
-    on_edges = {v for edge in _supports(scene, outline) for v in (outline.edges[edge].start, outline.edges[edge].end)}
+    on_edges = {v for edge in constrained for v in (outline.edges[edge].start, outline.edges[edge].end)}
     for support in scene.supports.values():
         for entity in map(outline.entity, support.on):
             found.update({v: SUPPORT for v in entity.vertices if not entity.edges and v not in on_edges})

@@ -54,14 +54,15 @@ class _Ray:
 def wedges(scene: Scene, outline: Outline) -> Iterator[Wedge]:
     """All wedges at the border of the body, and those at points inside of it at which materials meet."""
     materials = _side_materials(scene, outline)
-    rays = _rays(outline, materials)
+    places = (outline.points @ [1.0, 1j]).tolist()
+    rays = _rays(outline, materials, places)
     for loop in outline.loops:
         if loop.kind == "region":
             continue
         for (before, forward), (after, onward) in zip((loop.edges[-1], *loop.edges[:-1]), loop.edges, strict=True):
             edge, left = outline.edges[after], materials[after][0 if onward else 1]
             # Both directions point away from the vertex.
-            back, along = _leaving(outline, before, not forward), _leaving(outline, after, onward)
+            back, along = _leaving(outline, before, not forward, places), _leaving(outline, after, onward, places)
             vertex = edge.start if onward else edge.end
             sectors = _sectors(along, _angle(along, back), left, rays.pop(vertex, []))
             yield Wedge(vertex, (after, before), along, sectors, False)
@@ -86,14 +87,18 @@ def _sectors(along: complex, angle: float, left: str, rays: list[_Ray]) -> tuple
     return tuple((end - start, name) for (start, name), end in zip(starts, ends, strict=True))
 
 
-def _leaving(outline: Outline, index: int, onward: bool) -> complex:
-    """The direction in which an edge leaves its start, or its end where it is gone along backwards."""
+def _leaving(outline: Outline, index: int, onward: bool, places: list[complex]) -> complex:
+    """The direction in which an edge leaves its start, or its end where it is gone along backwards.
+
+    Args:
+        outline: of the edge with this index; places: x + i y of its control points.
+        onward: from its start.
+    """
     edge = outline.edges[index]
     if edge.kind in ("line", "arc"):
-        start, end = (complex(*outline.points[point]) for point in (edge.start, edge.end))
         # Half of the arc's angle, from the chord.
-        turn = exp(2j * atan(outline.bulges[index]))
-        way = (end - start) / turn if onward else (start - end) * turn
+        chord, turn = places[edge.end] - places[edge.start], exp(2j * atan(outline.bulges[index]))
+        way = chord / turn if onward else -chord * turn
     else:
         way = complex(*outline.tangent(index, 0.0)[0]) if onward else -complex(*outline.tangent(index, 1.0)[0])
     return way / abs(way)
@@ -130,15 +135,15 @@ def _side_materials(scene: Scene, outline: Outline) -> list[tuple[str, str]]:
     return list(zip(*found.tolist(), strict=True))
 
 
-def _rays(outline: Outline, materials: list[tuple[str, str]]) -> dict[int, list[_Ray]]:
-    """What leaves points of borders between two materials, by point."""
+def _rays(outline: Outline, materials: list[tuple[str, str]], places: list[complex]) -> dict[int, list[_Ray]]:
+    """What leaves points of borders between two materials, by point; `places` as of `_leaving`."""
     border = {edge for loop in outline.loops if loop.kind != "region" for edge, _ in loop.edges}
     found: dict[int, list[_Ray]] = {}
     for edge, (left, right) in enumerate(materials):
         if edge in border or left == right:
             continue
-        found.setdefault(outline.edges[edge].start, []).append(_Ray(_leaving(outline, edge, True), left, False))
-        found.setdefault(outline.edges[edge].end, []).append(_Ray(_leaving(outline, edge, False), right, False))
-        for point, onward, back in _turns(outline, edge, True):
-            found.setdefault(point, []).extend([_Ray(onward, left, True), _Ray(back, right, True)])
+        for point, onward, side in ((outline.edges[edge].start, True, left), (outline.edges[edge].end, False, right)):
+            found.setdefault(point, []).append(_Ray(_leaving(outline, edge, onward, places), side, False))
+        for point, forth, back in _turns(outline, edge, True):
+            found.setdefault(point, []).extend([_Ray(forth, left, True), _Ray(back, right, True)])
     return found
