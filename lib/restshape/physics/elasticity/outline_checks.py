@@ -19,7 +19,7 @@ GRID = 60
 
 
 def check_plane_solid(scene: Scene, outline: Outline) -> None:
-    """Makes sure that supports hold the body and agree, as far as the outline shows, and that gravity has a mass to pull.
+    """Makes sure that supports hold the body and agree, as far as the outline shows, and that gravity has a mass.
 
     Raises:
         UserError: they leave it free to move, or disagree at a place, or a material has no density.
