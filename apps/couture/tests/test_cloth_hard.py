@@ -99,6 +99,15 @@ def test_what_goes_away_from_a_ball(place, way, passed):
     assert contact.passed(np.array([place]), np.array(way, float)) == passed
 
 
+@pytest.mark.parametrize(("depth", "passed"), [(0.1, False), (2.0, True)])
+def test_a_ring_that_has_fallen_off_a_rough_ball_is_held_no_more(depth, passed):
+    """Points all around may be held as long as they could reach the ball."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
+    ring = np.column_stack([0.32 * np.cos(angle), 0.32 * np.sin(angle), np.full(8, -depth)])
+    contact = Contact([_kernels.Body.sphere((0, 0, 0), 0.3)], np.ones(8), 1e4, 0.01, friction=0.3)
+    assert contact.passed(ring, np.array([0.0, 0.0, -9.81])) == passed
+
+
 def test_a_floor_below_is_not_passed_and_a_support_holds(tmp_path):
     under, beside = np.array([[0, 0, -5.0]]), np.array([0, 0, -9.81])
     plane = _kernels.Body.plane((0, 0, -6.0), (0, 0, 1))

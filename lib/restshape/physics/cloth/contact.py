@@ -367,13 +367,14 @@ class Contact:
         """Whether points (n, 3) that go on along a way (3,) touch no body any more.
 
         A convex body is not touched again once all go away from it; of another one that holds for the box around it.
-        Points all around a body with friction may still be held by it.
+        Points all around a body with friction may still be held by it, as long as it is no farther than they reach.
         """
+        reach = float(np.linalg.norm(np.ptp(x, axis=0)))
         for body, friction in zip(self.bodies, self.friction):
             distance, gradient, _ = body.hull.distance(x)
             if distance.min() <= self.thickness or (gradient @ way).min() < 0.0:
                 return False
-            if friction > 0.0 and _all_around(gradient, way):
+            if friction > 0.0 and distance.min() <= reach and _all_around(gradient, way):
                 return False
         return True
 

@@ -158,7 +158,8 @@ class Seams:
         gaps = self.gaps(corners)
         wide = sorted(((gaps[own].max(), name) for name, own in self.springs_by_name()), reverse=True)
         found = [(gap, name) for gap, name in wide if gap > OPEN]
-        others = f", and {len(found) - 1} others are open" if len(found) > 1 else ""
+        more = len(found) - 1
+        others = f", and {more} {'others are' if more > 1 else 'other is'} open" if more else ""
         return [f"seams.{name} is open by {1e3 * gap:.3g} mm{others}" for gap, name in found[:1]]
 
     def ease_notes(self) -> list[str]:
