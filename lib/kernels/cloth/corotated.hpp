@@ -46,7 +46,7 @@ struct CorotatedMembraneElement : MembraneParts {
         for (int k = 0; k < 3; ++k) s[k] = S[k];
     }
 
- private:
+ protected:
     // U = (F^T F)^(1/2) = (F^T F + det U)/tr U, by Cayley and Hamilton; returns its determinant.
     template <class R>
     static R stretch(const R (&F)[3][2], R (&U)[3]) {
@@ -71,6 +71,22 @@ struct CorotatedMembraneElement : MembraneParts {
         S[0] = (determinant * T[0] + a * a * T[0] + c * c * T[1] + 2.0 * (a * c * T[2])) * scale;
         S[1] = (determinant * T[1] + c * c * T[0] + b * b * T[1] + 2.0 * (b * c * T[2])) * scale;
         S[2] = (determinant * T[2] + a * c * T[0] + b * c * T[1] + (a * b + c * c) * T[2]) * scale;
+    }
+};
+
+// The same forces, with a tangent that is positive semidefinite: that of St. Venant and Kirchhoff, with what is left of
+// this element's tension without its negative eigenvalues. Both are one where nothing is strained.
+struct CorotatedStabilisedElement : CorotatedMembraneElement {
+    static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
+        double G[3][2], F[3][2], U[3], S[3], P[3][2];
+        const double area = gradients(X, G);
+        deformation(G, x, F);
+        const double determinant = stretch(F, U);
+        second_piola(U, determinant, p, S);
+        first_piola(F, S, P);
+        forces(area, G, P, p, r);
+        keep_tension(S);
+        fill_tangent(area, G, F, p, S, K);
     }
 };
 

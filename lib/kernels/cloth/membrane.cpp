@@ -10,6 +10,7 @@ std::vector<Element> membrane_elements() {
         element_of<MembraneElement<true>>("membrane_stabilised", "tri3"),
         element_of<MembraneTensionElement>("membrane_tension", "tri3"),
         element_of<CorotatedMembraneElement>("membrane_corotated", "tri3"),
+        element_of<CorotatedStabilisedElement>("membrane_corotated_stabilised", "tri3"),
     };
 }
 

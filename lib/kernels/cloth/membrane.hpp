@@ -85,6 +85,47 @@ struct MembraneParts {
         for (int a = 0; a < 3; ++a) sum -= (x[a] + x[3 + a] + x[6 + a]) * (area * (p[load + a] / 3));
         return sum;
     }
+
+    // With f_k the columns of F, the block of two nodes is the sum of m_kl f_k f_l^T and of what the tension resists: m
+    // depends on X and the moduli alone.
+    static void fill_tangent(double area, const double (&G)[3][2], const double (&F)[3][2], const double* p,
+                             const double (&S)[3], double* K) {
+        constexpr int stride = Dual<9>::lanes;
+        using Four = Eigen::Array<double, 4, 1>;
+        const Four unit[3] = {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
+        const Four f0(F[0][0], F[1][0], F[2][0], 0.0), f1(F[0][1], F[1][1], F[2][1], 0.0);
+        for (int i = 0; i < 3; ++i) {
+            const double g = area * G[i][0], h = area * G[i][1];
+            const double c[6] = {g * p[0] + h * p[3], g * p[3] + h * p[5], g * p[3] + h * p[1],
+                                 g * p[5] + h * p[4], g * p[1] + h * p[4], g * p[4] + h * p[2]};
+            const double t[2] = {g * S[0] + h * S[2], g * S[2] + h * S[1]};
+            for (int j = 0; j < 3; ++j) {
+                const double u = G[j][0], v = G[j][1];
+                const double m00 = c[0] * u + c[1] * v, m01 = c[1] * u + c[4] * v, m10 = c[2] * u + c[3] * v,
+                             m11 = c[3] * u + c[5] * v, pull = t[0] * u + t[1] * v;
+                // The fourth number is overwritten by the next block, or lies in the padding.
+                for (int a = 0; a < 3; ++a)
+                    Eigen::Map<Four>(K + (3 * i + a) * stride + 3 * j) =
+                        (F[a][0] * m00 + F[a][1] * m10) * f0 + (F[a][0] * m01 + F[a][1] * m11) * f1 + pull * unit[a];
+            }
+        }
+    }
+
+    // Eigenvalues below zero become zero.
+    static void keep_tension(double (&S)[3]) {
+        const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]),
+                     radius = std::sqrt(half * half + S[2] * S[2]);
+        if (mean >= radius) return;
+        const double top = mean + radius;
+        if (top <= 0.0) {
+            S[0] = S[1] = S[2] = 0.0;
+            return;
+        }
+        const double share = top / (2 * radius);
+        S[0] = share * (radius + half);
+        S[1] = share * (radius - half);
+        S[2] = share * S[2];
+    }
 };
 
 // St. Venant-Kirchhoff. The stabilised tangent takes for the tension what is left of it without its negative
@@ -116,11 +157,8 @@ struct MembraneElement : MembraneParts {
         return half_product(S, E) * area + load_energy(area, x, p);
     }
 
-    // By hand: duals of nine directions would take sixteen lanes. With f_k the columns of F, the block of two nodes is
-    // the sum of m_kl f_k f_l^T and of what the tension resists: m depends on X and the moduli alone.
+    // By hand: duals of nine directions would take sixteen lanes.
     static void tangent(const double* X, const double* x, const double* p, double* r, double* K) {
-        constexpr int stride = Dual<9>::lanes;
-        using Four = Eigen::Array<double, 4, 1>;
         double G[3][2], F[3][2], E[3], S[3], P[3][2];
         const double area = gradients(X, G);
         deformation(G, x, F);
@@ -129,23 +167,7 @@ struct MembraneElement : MembraneParts {
         first_piola(F, S, P);
         forces(area, G, P, p, r);
         if (Stabilised) keep_tension(S);
-        const Four unit[3] = {{1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
-        const Four f0(F[0][0], F[1][0], F[2][0], 0.0), f1(F[0][1], F[1][1], F[2][1], 0.0);
-        for (int i = 0; i < 3; ++i) {
-            const double g = area * G[i][0], h = area * G[i][1];
-            const double c[6] = {g * p[0] + h * p[3], g * p[3] + h * p[5], g * p[3] + h * p[1],
-                                 g * p[5] + h * p[4], g * p[1] + h * p[4], g * p[4] + h * p[2]};
-            const double t[2] = {g * S[0] + h * S[2], g * S[2] + h * S[1]};
-            for (int j = 0; j < 3; ++j) {
-                const double u = G[j][0], v = G[j][1];
-                const double m00 = c[0] * u + c[1] * v, m01 = c[1] * u + c[4] * v, m10 = c[2] * u + c[3] * v,
-                             m11 = c[3] * u + c[5] * v, pull = t[0] * u + t[1] * v;
-                // The fourth number is overwritten by the next block, or lies in the padding.
-                for (int a = 0; a < 3; ++a)
-                    Eigen::Map<Four>(K + (3 * i + a) * stride + 3 * j) =
-                        (F[a][0] * m00 + F[a][1] * m10) * f0 + (F[a][0] * m01 + F[a][1] * m11) * f1 + pull * unit[a];
-            }
-        }
+        fill_tangent(area, G, F, p, S, K);
     }
 
     // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].
@@ -165,22 +187,6 @@ struct MembraneElement : MembraneParts {
         E[0] = 0.5 * (E[0] - 1.0);
         E[1] = 0.5 * (E[1] - 1.0);
         E[2] = 0.5 * E[2];
-    }
-
-    // Eigenvalues below zero become zero.
-    static void keep_tension(double (&S)[3]) {
-        const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]),
-                     radius = std::sqrt(half * half + S[2] * S[2]);
-        if (mean >= radius) return;
-        const double top = mean + radius;
-        if (top <= 0.0) {
-            S[0] = S[1] = S[2] = 0.0;
-            return;
-        }
-        const double share = top / (2 * radius);
-        S[0] = share * (radius + half);
-        S[1] = share * (radius - half);
-        S[2] = share * S[2];
     }
 };
 

@@ -2,12 +2,21 @@
 
 import numpy as np
 
-from restshape.fem.elements import MEMBRANE, MEMBRANE_COROTATED, MEMBRANE_STABILISED, MEMBRANE_TENSION
+from restshape.fem.elements import (
+    MEMBRANE,
+    MEMBRANE_COROTATED,
+    MEMBRANE_COROTATED_STABILISED,
+    MEMBRANE_STABILISED,
+    MEMBRANE_TENSION,
+)
 from restshape.fem.integral import Integral
 from restshape.physics.cloth.fabric import Fabric
 from restshape.physics.cloth.parameters import UPPER
 
-ELEMENTS = {"stvk": (MEMBRANE, MEMBRANE_STABILISED), "corotated": (MEMBRANE_COROTATED,) * 2}
+ELEMENTS = {
+    "stvk": (MEMBRANE, MEMBRANE_STABILISED),
+    "corotated": (MEMBRANE_COROTATED, MEMBRANE_COROTATED_STABILISED),
+}
 """Elements with the true and the stabilised tangent, by law."""
 LOAD = slice(6, 9)
 """Parameters that are the weight by area."""
