@@ -251,4 +251,4 @@ def test_a_ring_has_its_name_in_its_material_its_hole_empty_and_its_own_width(tm
     assert empty.get_zorder() > max(one.get_zorder() for one in axes.patches if one is not empty)
     assert "36 × 36 m" in figures[0].get_suptitle()
     words = [text.get_text() for text in figures[0].texts if text.get_text().startswith(("support", "load", "and"))]
-    assert len(words) == 17 and words[-1] == "and 25 more supports and loads"
+    assert len(words) == 17 and words[-1] == "and 25 more conditions"

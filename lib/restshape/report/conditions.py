@@ -1,15 +1,18 @@
 """Supports and loads drawn where they act: coloured edges, points and arrows."""
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
+from restshape.application import application_of
 from restshape.report.entity_outlines import Place, place_of
 from restshape.report.load_vectors import accelerations, in_plane, load_vectors
+from restshape.scene.descriptions import keys_in_words
 from restshape.scene.model import Scene
+from restshape.scene.scene_type import joined_sections
 from restshape.shape.outline import Outline
 
 SUPPORT = "#0072b2"
@@ -57,6 +60,37 @@ def draw_loads(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: 
             elif len(place.points):
                 axes.plot(*moved(place.points).T, "D", color=colour, ms=2.5 * width, zorder=6)
     return drawn + _draw_accelerations(axes, scene, longest)
+
+
+class Condition(NamedTuple):
+    """What a table of a scene says of entities, besides supports and loads: of a fluid what it does at edges.
+
+    Args:
+        name: of the table; on: the entities; words: what it says of them; colour: that pictures have it in.
+    """
+
+    name: str
+    on: Sequence[str]
+    words: str
+    colour: str
+
+
+def conditions_of(scene: Scene) -> list[Condition]:
+    """The conditions of a scene besides supports and loads, in colours that follow those of its loads."""
+    found = []
+    for key, section in joined_sections(application_of(scene).physics).items():
+        tables = getattr(scene, key) if section.named and "on" in section.model.model_fields else {}
+        words = {name: keys_in_words(table, ("on",), scene.parameters) for name, table in tables.items()}
+        found += [(f"{key} {name}", table.on, words[name]) for name, table in tables.items()]
+    first = len(scene.loads)
+    return [Condition(*one, LOADS[(first + i) % len(LOADS)]) for i, one in enumerate(found)]
+
+
+def draw_conditions(axes: Axes, scene: Scene, outline: Outline, moved: Moved, width: float = 2.5) -> None:
+    """Draws where conditions besides supports and loads hold, as lines beneath the outline."""
+    for condition in conditions_of(scene):
+        for name in condition.on:
+            _lines(axes, place_of(outline, name), moved, condition.colour, width)
 
 
 def _draw_accelerations(axes: Axes, scene: Scene, longest: float) -> list[np.ndarray]:

@@ -1,4 +1,4 @@
-"""A scene before any solve: its shape with names, supports, loads, goals, and its size."""
+"""A scene before any solve: its shape with names, supports, loads and other conditions, goals, and its size."""
 
 # More than 15 modules: whatever a scene may hold is drawn here.
 
@@ -19,6 +19,8 @@ from restshape.report.conditions import (
     ACCELERATION,
     SUPPORT,
     Moved,
+    conditions_of,
+    draw_conditions,
     draw_loads,
     draw_supports,
     load_colours,
@@ -92,6 +94,7 @@ def draw_scene(scene: Scene, outline: Outline, used: set[str], path: Path) -> No
     axes.add_collection(LineCollection([factor * goal for goal in goals], colors=GOAL, linewidths=1.3), autolim=False)
     draw_seams(axes, scene, outline, moved)
     draw_supports(axes, scene, outline, moved)
+    draw_conditions(axes, scene, outline, moved)
     arrows = draw_loads(axes, scene, outline, moved)
     labels = labels_beside(axes, outline, moved)
     labels.keep_off([*arrows, *(factor * goal for goal in goals)], HEAD)
@@ -203,10 +206,11 @@ def _legend(scene: Scene, outline: Outline, goals: str) -> list[LegendLine]:
     found += [
         LegendLine(colour, f"load {name} on {on(one.on)}: {load_words(one, known)}") for (name, one), colour in loads
     ]
+    found += [LegendLine(one.colour, f"{one.name} on {on(one.on)}: {one.words}") for one in conditions_of(scene)]
     if len(found) > MOST_CONDITIONS:
         found = [
             *found[:MOST_CONDITIONS],
-            LegendLine("white", f"and {len(found) - MOST_CONDITIONS} more supports and loads"),
+            LegendLine("white", f"and {len(found) - MOST_CONDITIONS} more conditions"),
         ]
     for name, value in accelerations(scene).items():
         # One across the plane has no arrow.
