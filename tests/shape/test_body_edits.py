@@ -148,6 +148,31 @@ def test_a_cylinder_is_moved_turned_and_scaled(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("on", "about", "refused"),
+    [
+        ("ball", None, True),
+        ("ball", [0, 0], False),
+        ("drum", None, False),
+        ("bar", None, False),
+        ("floor", None, False),
+    ],
+)
+def test_a_turn_that_changes_nothing_is_refused(tmp_path, on, about, refused):
+    """A ball is round about its own vertical axis: it would take no cloth along. There is nothing to undo then."""
+    turn = {"do": "rotate", "on": on, "by": "40 deg", **({"about": about} if about else {})}
+    frames = frames_of(tmp_path, turn, {"do": "undo"})
+    assert [bool(frame.refused) for frame in frames] == [False, refused, refused]
+    assert not refused or "a sphere that turns about its own vertical axis stays as it is" in frames[1].refused
+
+
+def test_a_turn_of_an_upright_post_is_refused(tmp_path):
+    text = CLOTH + PIN + CONTACT + "[bodies.post]\ncapsule = { start = [1, 2, 0], end = [1, 2, 3], radius = 0.1 }\n"
+    turn = {"do": "rotate", "on": "post", "by": "40 deg"}
+    *_, last = EditSession(*scene_and_script(tmp_path, [turn], text)).frames()
+    assert "a capsule that turns" in last.refused
+
+
+@pytest.mark.parametrize(
     ("key", "value", "what"),
     [
         ("material.cotton.E", "soft", "not a number"),

@@ -32,6 +32,9 @@ SIZES = {
 TURNS = {"box": "rotate", "mesh": "turn", "mannequin": "turn"}
 """Keys that are angles about x, y and z, by kind of body."""
 
+ROUNDING = 1e-12
+"""Change of numbers below which they are the same, over the largest."""
+
 Form = dict[str, Reals]
 Change = Callable[[str, Form, float, "tuple[float, float] | None"], Form]
 """Gives a form of a kind changed by an amount, about a point [m]."""
@@ -73,13 +76,20 @@ def place_of(scene: Scene, name: str) -> Place:
 
 
 def turned(kind: str, form: Form, angle: float, about: tuple[float, float] | None) -> Form:
-    """The form turned by an angle [rad] about the vertical through a point [m], else its own place."""
+    """The form turned by an angle [rad] about the vertical through a point [m], else its own place.
+
+    Raises:
+        UserError: it is round about that, so that nothing would change: it has no sides that would take cloth along.
+    """
     c, s = np.cos(angle), np.sin(angle)
     R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     axis = _axis(kind, form, about)
-    form = form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
+    before, form = form, form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
     if kind == "plane":
-        return form | {"normal": R @ form["normal"]}
+        form = form | {"normal": R @ form["normal"]}
+    if kind not in TURNS and _alike(before, form):
+        do = "turn it about a point beside it, give it the form of a box, or leave it"
+        raise UserError(f"a {kind} that turns about its own vertical axis stays as it is", do=do)
     # The last of its turns is that about z.
     key = TURNS.get(kind)
     return form | {key: form[key] + (0.0, 0.0, angle)} if key else form
@@ -96,6 +106,12 @@ def scaled(kind: str, form: Form, factor: float, about: tuple[float, float] | No
     axis = _axis(kind, form, about)
     points = {key: axis + factor * (form[key] - axis) for key in POINTS[kind]}
     return form | points | {key: factor * form[key] for key in SIZES[kind]}
+
+
+def _alike(before: Form, after: Form) -> bool:
+    """Whether two forms are the same but for rounding, over the largest of their numbers."""
+    size = max(float(np.abs(one).max()) for one in before.values())
+    return all(np.abs(after[key] - before[key]).max() <= ROUNDING * size for key in before)
 
 
 def _centre(kind: str, form: Form) -> Reals:
