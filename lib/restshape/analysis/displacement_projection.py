@@ -3,15 +3,16 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import free, order_factor
+from restshape.analysis.cell_samples import LINEAR_SLOPES, CellSamples
 from restshape.fem.elements import LINEAR_ELASTIC
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
 from restshape.fem.semidiscrete import SemiDiscrete
 from restshape.fem.space import Space
 from restshape.mesh.quadratic_basis import quadratic_basis
-from restshape.mesh.quadrature import SAMPLES
 from restshape.mesh.transfer import Transfer, transfer
 
 FACTORED = 300_000
@@ -21,10 +22,13 @@ NEAR = 1e-8
 MOST = 1000
 """Iterations of it: each brings it nearer, so that what it has then is taken."""
 
-LINEAR_SLOPES = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
+CORNER_SLOPES = quadratic_basis(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))[1].transpose(0, 2, 1).reshape(6, 6)
+"""Those of the basis of second order at the three corners, along both directions, (6, 6)."""
 
 
-def project_displacement(old: SemiDiscrete, new: SemiDiscrete, u: np.ndarray) -> np.ndarray:
+def project_displacement(
+    old: SemiDiscrete, new: SemiDiscrete, u: np.ndarray, samples: CellSamples | None = None
+) -> np.ndarray:
     """Displacements (n_new, 2) [m] on a new mesh whose strains are nearest to those of u, in the norm of the energy.
 
     Interpolation from mesh to mesh adds energy to waves as short as the cells, more each time, without bound. The
@@ -34,6 +38,7 @@ def project_displacement(old: SemiDiscrete, new: SemiDiscrete, u: np.ndarray) ->
     Args:
         old, new: on the mesh before and on the new one.
         u: (n_old, 2) displacements [m], prescribed ones included.
+        samples: of both meshes; None: they are made.
 
     Source: docs/theory/solids.md.
     """
@@ -46,21 +51,16 @@ def project_displacement(old: SemiDiscrete, new: SemiDiscrete, u: np.ndarray) ->
     lame, shear, thickness = np.broadcast_to(moduli, (len(space.cells), 3)).T
     lame = np.minimum(lame, 2.0 * shear)
     params = np.column_stack([lame, shear, thickness, np.zeros((len(lame), 2))])
-    forces = _forces(old.problem.space, space, u, start, params)
+    forces = _forces(samples or CellSamples(old.problem.space, space), u, start, params)
     return start + _solved(space, new.constrained, params, forces)
 
 
-def _forces(old: Space, new: Space, u: np.ndarray, start: np.ndarray, params: np.ndarray) -> np.ndarray:
+def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.ndarray) -> np.ndarray:
     """Nodal forces (n, 2) [N] of the strains that `start` lacks beside u."""
-    points, weights = SAMPLES
-    values, slopes = _basis(points[:, 1:], new.cells.shape[1])
-    nodes, count = new.cells.T, len(new.cells)
-    # Products of two matrices, with a column for each cell and component.
-    nodal = np.concatenate([new.X, start], axis=1)[nodes].reshape(len(nodes), -1)
-    along = (slopes.transpose(0, 2, 1).reshape(-1, len(nodes)) @ nodal).reshape(len(weights), 2, count, 4)
-    places = (values @ nodal).reshape(-1, 4)[:, :2]
+    old, new, weights, slopes = samples.old, samples.new, samples.weights, samples.slopes
+    along = samples.along(np.concatenate([new.X, start], axis=1))
     here, (inverse, area) = _gradients(along.transpose(0, 2, 1, 3))
-    there, _ = _gradients(_along(Transfer(old, places), np.concatenate([old.X, u], axis=1)))
+    there, _ = _gradients(_along(samples.found, np.concatenate([old.X, u], axis=1)))
     lacking = there.reshape(here.shape) - here
     lame, shear, thickness = params[:, :3].T
     work = 0.5 * weights[:, None] * area * thickness
@@ -71,8 +71,8 @@ def _forces(old: Space, new: Space, u: np.ndarray, start: np.ndarray, params: np
     shares = [np.stack([p * inverse[..., 0] + q * inverse[..., 1] for p, q in ((xx, xy), (xy, yy))], axis=-1)]
     shares += [np.stack([p * inverse[..., 2] + q * inverse[..., 3] for p, q in ((xx, xy), (xy, yy))], axis=-1)]
     rows = np.stack(shares, axis=1).reshape(2 * len(weights), -1)
-    own = (slopes.transpose(1, 0, 2).reshape(len(nodes), -1) @ rows).reshape(len(nodes), count, 2)
-    return np.column_stack([np.bincount(nodes.ravel(), own[..., a].ravel(), len(new.X)) for a in (0, 1)])
+    columns = slopes.transpose(1, 0, 2).reshape(new.cells.shape[1], -1)
+    return samples.nodal_sums((columns @ rows).reshape(len(columns), -1, 2))
 
 
 def _gradients(along: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
@@ -92,21 +92,19 @@ def _gradients(along: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndar
 
 def _along(found: Transfer, field: np.ndarray) -> np.ndarray:
     """Slopes (m, 2, f) of a field (n, f) along both directions of the cells that the points that were found lie in."""
-    weights = found.weights
-    if weights.shape[1] == 3:
-        return np.einsum("kb,mkf->mbf", LINEAR_SLOPES, field[found.nodes])
+    cells, weights = found.mesh.cells, found.weights
+    nodal = field[cells.T].reshape(cells.shape[1], -1)
+    if cells.shape[1] == 3:
+        return (LINEAR_SLOPES.T @ nodal).reshape(2, len(cells), -1)[:, found.cells].transpose(1, 0, 2)
+    # Slopes of second order are linear in a cell: those at its corners give all others.
+    slopes = (CORNER_SLOPES @ nodal).reshape(3, 2, len(cells), -1).transpose(2, 0, 1, 3)
     # Places in a cell are weights of its corners, of which those of a side's middle count half to either end.
     middles = weights[:, 3:]
     corners = weights[:, :3] + 0.5 * (middles + middles[:, [2, 0, 1]])
-    return np.einsum("mkb,mkf->mbf", quadratic_basis(corners[:, 1:])[1], field[found.nodes])
-
-
-def _basis(points: np.ndarray, nodes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Values (q, k) and slopes (q, k, 2) of the basis of a triangle of 3 or 6 nodes at reference points (q, 2)."""
-    if nodes == 6:
-        return quadratic_basis(points)
-    x, y = points.T
-    return np.column_stack([1.0 - x - y, x, y]), np.broadcast_to(LINEAR_SLOPES, (len(points), 3, 2))
+    rows = 3 * found.cells[:, None] + np.arange(3, dtype=np.int32)
+    out = np.empty((len(rows), 2, field.shape[1]))
+    _kernels.interpolate_rows(rows, corners, slopes.reshape(1, 3 * len(cells), -1), out)
+    return out
 
 
 def _solved(space: Space, constrained: np.ndarray, params: np.ndarray, forces: np.ndarray) -> np.ndarray:

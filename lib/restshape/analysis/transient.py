@@ -15,6 +15,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
+from restshape.analysis.cell_samples import CellSamples
 from restshape.analysis.correction import KeptOperation, RowOperation
 from restshape.analysis.displacement_projection import project_displacement
 from restshape.analysis.effective_system import EffectiveSystem
@@ -559,6 +560,7 @@ def _brought(
     Those of diffusion are interpolated, and their rates are new.
     """
     if second:
-        return project_displacement(old, new, x), project_velocity(old.mass, new.mass, v)
+        samples = CellSamples(old.problem.space, new.problem.space)
+        return project_displacement(old, new, x, samples), project_velocity(old.mass, new.mass, v, samples)
     there = transfer(old.problem.space, new.problem.space, x)
     return there, np.zeros_like(there)

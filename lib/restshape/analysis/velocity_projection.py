@@ -4,10 +4,9 @@ from typing import cast
 
 import numpy as np
 
+from restshape.analysis.cell_samples import CellSamples
 from restshape.fem.mass import MassMatrix
 from restshape.mesh.mesh import Mesh
-from restshape.mesh.quadratic_basis import quadratic_basis
-from restshape.mesh.quadrature import SAMPLES
 from restshape.mesh.transfer import Transfer
 
 ROUGH = 1e-3
@@ -15,7 +14,7 @@ ROUGH = 1e-3
 missing, which is little."""
 
 
-def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
+def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray, samples: CellSamples | None = None) -> np.ndarray:
     """Velocities (n_new, 2) [m/s] on a new mesh: the projection of v with the mass matrix, with v's momentum.
 
     M_new v_new = integral of N_new rho v, on the new mesh by the rule of the three edge midpoints, of second order by
@@ -26,11 +25,15 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndar
     Args:
         old, new: on the mesh before and on the new one.
         v: (n_old, 2) velocities [m/s].
+        samples: of both meshes, which second order needs; None: they are made.
 
     Source: docs/theory/solids.md.
     """
     mesh = new.space
-    load = _quadratic_load(old, new, v) if mesh.cells.shape[1] == 6 else _linear_load(old, new, v)
+    if mesh.cells.shape[1] == 6:
+        load = _quadratic_load(samples or CellSamples(old.space, mesh), new.params, v)
+    else:
+        load = _linear_load(old, new, v)
     projected = new.solve(load, consistent=True)
     uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True, tolerance=ROUGH)
     missing, reach = old.momentum(v) - new.momentum(projected), new.momentum(uniform)
@@ -53,20 +56,10 @@ def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     return np.column_stack([np.bincount(starts, part, n) + np.bincount(ends, part, n) for part in parts])
 
 
-def _quadratic_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
-    """Integral of N_new rho v (n_new, 2) on triangles of second order."""
-    mesh = new.space
-    points, weights = SAMPLES
-    values, slopes = quadratic_basis(points[:, 1:])
-    ne = len(mesh.cells)
-    # Products of two matrices, a column for each cell and component: einsum takes four times as long.
-    nodal = mesh.X[mesh.cells].transpose(1, 0, 2).reshape(6, -1)
-    J = (slopes.transpose(0, 2, 1).reshape(-1, 6) @ nodal).reshape(-1, 2, ne, 2)
-    weight = 0.5 * weights * (J[:, 0, :, 0] * J[:, 1, :, 1] - J[:, 0, :, 1] * J[:, 1, :, 0]).T
-    places = (values @ nodal).reshape(-1, ne, 2).transpose(1, 0, 2)
-    velocity = Transfer(old.space, places.reshape(-1, 2))(v).reshape(places.shape)
-    mass = weight * np.broadcast_to(new.params, (ne, 1))
-    momenta = (mass[..., None] * velocity).transpose(1, 0, 2).reshape(len(weights), -1)
-    share = (values.T @ momenta).reshape(6, ne, 2)
-    nodes = mesh.cells.T.ravel()
-    return np.column_stack([np.bincount(nodes, share[..., a].ravel(), len(mesh.X)) for a in (0, 1)])
+def _quadratic_load(samples: CellSamples, density: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Integral of N_new rho v (n_new, 2) on triangles of second order; mass an area (1,), or (ne, 1)."""
+    (xa, ya), (xb, yb) = samples.along(samples.new.X).transpose(1, 3, 0, 2)
+    mass = 0.5 * samples.weights[:, None] * (xa * yb - ya * xb) * density.T
+    velocity = samples.found(v).reshape(*mass.shape, 2)
+    momenta = (mass[..., None] * velocity).reshape(len(mass), -1)
+    return samples.nodal_sums((samples.values.T @ momenta).reshape(6, -1, 2))

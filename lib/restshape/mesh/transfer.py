@@ -31,6 +31,9 @@ class Transfer:
         mesh: where the fields live, triangles of first or second order.
         points: (m, d) where they are wanted [m].
 
+    Attributes:
+        cells: (m,) that the points lie in; nodes, weights: (m, k) of these, as their fields are interpolated.
+
     Raises:
         ValueError: cells of the mesh's type cannot be searched for points, or points are of another dimension.
     """
@@ -48,7 +51,7 @@ class Transfer:
             raise ValueError(
                 f"fields are transferred between triangles in the plane, not between cells {mesh.cell_type!r}"
             )
-        self.mesh, self.nodes = mesh, mesh.cells[found]
+        self.mesh, self.cells, self.nodes = mesh, found, mesh.cells[found]
 
     def __call__(self, field: np.ndarray) -> np.ndarray:
         """Values (m, f) at the points.
