@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from edited_shapes import ALL_KINDS, EDITS, edited
-from small_scenes import write_script
+from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL, meshed, write_script
 
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -107,3 +107,17 @@ def test_the_command_says_what_it_cannot_do(tmp_path, capsys):
     ]:
         assert main(["export", scene, *words]) == 2
         assert why in capsys.readouterr().err
+
+
+def test_a_shape_that_has_grown_too_large_for_its_gaps_is_noted(tmp_path, capsys):
+    block = HEAD + BLOCK.format(width=2, height=1) + HOLE + STEEL + CLAMPED + meshed(0.2)
+    (tmp_path / "block.toml").write_text(block)
+    down = [{"do": "press", "on": "window"}, {"do": "drag", "to": [0.5, 0.1508]}, {"do": "release"}]
+    out = [{"do": "press", "on": "right"}, {"do": "drag", "to": [8, 0.5]}, {"do": "release"}]
+    for events, noted in ((down, 0), (down + out, 1)):
+        script = write_script(tmp_path, [{"t": 0.1 * k, **event} for k, event in enumerate(events)])
+        saved = ["--as", "toml", "--out", str(tmp_path / f"grown-{noted}.toml")]
+        assert main(["export", str(tmp_path / "block.toml"), str(script), *saved]) == 0
+        assert capsys.readouterr().out.count("a scene of this shape is refused") == noted
+        assert main(["check", saved[-1]]) == 2 * noted
+        capsys.readouterr()

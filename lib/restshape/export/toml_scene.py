@@ -8,6 +8,7 @@ from pathlib import Path
 import tomlkit
 from tomlkit.items import InlineTable, Item
 
+from restshape.errors import UserError
 from restshape.export.edited_frame import EditedFrame, plain_scene
 from restshape.export.kept_formulas import with_formulas
 from restshape.export.panel_tables import panel_tables
@@ -19,6 +20,7 @@ from restshape.scene.load import remade
 from restshape.scene.model import Scene, ShapeSpec
 from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.plain_values import Table, table_in
+from restshape.shape.build import outline_of
 
 DEPTHS = {"shape": 1, "panels": 2}
 """Depths of tables within one that have headers of their own."""
@@ -44,8 +46,13 @@ def write_toml(frame: EditedFrame, path: Path) -> list[str]:
     else:
         shape = {"shape": with_formulas(shape_tables(frame.outline), frame.scene, frame.outline)}
     tables = plain_scene(frame, shape)
-    remade(frame.scene, tables)
+    again = remade(frame.scene, tables)
     write_whole(path, f"# {EXPORT_MARK}\n{toml_text(tables)}")
+    try:
+        outline_of(again)
+    except UserError as error:
+        # What may be close is a share of the size that a shape begins with, and edits may have made it larger.
+        notes.append(f"a scene of this shape is refused, for distances are measured by its size now: {error.what}")
     return notes
 
 
