@@ -58,10 +58,15 @@ def project_displacement(
 def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.ndarray) -> np.ndarray:
     """Nodal forces (n, 2) [N] of the strains that `start` lacks beside u."""
     old, new, weights, slopes = samples.old, samples.new, samples.weights, samples.slopes
+    there = _found_gradients(samples.found, np.concatenate([old.X, u], axis=1))
+    there = there.reshape(len(weights), len(new.cells), 2, 2)
     along = samples.along(np.concatenate([new.X, start], axis=1))
+    if new.cells.shape[1] == 3:
+        # The mean of what a cell lacks counts, for its own strains are constant.
+        there, along = np.tensordot(weights, there, 1)[None], along[:1]
+        slopes, weights = slopes[:1], np.ones(1)
     here, (inverse, area) = _gradients(along.transpose(0, 2, 1, 3))
-    there, _ = _gradients(_along(samples.found, np.concatenate([old.X, u], axis=1)))
-    lacking = there.reshape(here.shape) - here
+    lacking = there - here
     lame, shear, thickness = params[:, :3].T
     work = 0.5 * weights[:, None] * area * thickness
     pressure = lame * (lacking[..., 0, 0] + lacking[..., 1, 1])
@@ -90,12 +95,13 @@ def _gradients(along: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndar
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2), (inverse, area)
 
 
-def _along(found: Transfer, field: np.ndarray) -> np.ndarray:
-    """Slopes (m, 2, f) of a field (n, f) along both directions of the cells that the points that were found lie in."""
+def _found_gradients(found: Transfer, field: np.ndarray) -> np.ndarray:
+    """Gradients (m, 2, 2) of a displacement where points were found, of x, y, u and v at all nodes (n, 4)."""
     cells, weights = found.mesh.cells, found.weights
     nodal = field[cells.T].reshape(cells.shape[1], -1)
     if cells.shape[1] == 3:
-        return (LINEAR_SLOPES.T @ nodal).reshape(2, len(cells), -1)[:, found.cells].transpose(1, 0, 2)
+        slopes = (LINEAR_SLOPES.T @ nodal).reshape(2, len(cells), -1).transpose(1, 0, 2)
+        return _gradients(slopes)[0][found.cells]
     # Slopes of second order are linear in a cell: those at its corners give all others.
     slopes = (CORNER_SLOPES @ nodal).reshape(3, 2, len(cells), -1).transpose(2, 0, 1, 3)
     # Places in a cell are weights of its corners, of which those of a side's middle count half to either end.
@@ -104,7 +110,7 @@ def _along(found: Transfer, field: np.ndarray) -> np.ndarray:
     rows = 3 * found.cells[:, None] + np.arange(3, dtype=np.int32)
     out = np.empty((len(rows), 2, field.shape[1]))
     _kernels.interpolate_rows(rows, corners, slopes.reshape(1, 3 * len(cells), -1), out)
-    return out
+    return _gradients(out)[0]
 
 
 def _solved(space: Space, constrained: np.ndarray, params: np.ndarray, forces: np.ndarray) -> np.ndarray:
