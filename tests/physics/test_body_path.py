@@ -74,3 +74,12 @@ def test_bodies_that_close_upon_cloth_stop_at_it():
     path = BodyPath(*ways, contact)
     reached = path.farthest(0.0, x, np.zeros_like(x))
     assert 0.05 - 0.4 * reached == pytest.approx(-0.25 * 0.05, abs=2e-3)
+
+
+def test_a_body_that_is_in_the_cloth_already_goes_on():
+    """As the point of a needle that bears all of it: it stops a quarter of what is left to its middle deeper."""
+    contact, x = sheet(0.0)
+    old, new = (Body.model_validate({"sphere": {"center": (0, 0, z), "radius": 0.1}}) for z in (-0.05, 0.5))
+    assert BodyPath([old], [new], contact).farthest(0.0, x, np.zeros_like(x)) == 0.0
+    reached = BodyPath([old], [new], contact, x).farthest(0.0, x, np.zeros_like(x))
+    assert 0.55 * reached == pytest.approx(0.25 * 0.05, abs=2e-3)

@@ -165,6 +165,13 @@ def test_a_turn_that_changes_nothing_is_refused(tmp_path, on, about, refused):
     assert not refused or "a sphere that turns about its own vertical axis stays as it is" in frames[1].refused
 
 
+@pytest.mark.parametrize("name", ["drum", "second"])
+def test_a_body_that_the_first_frame_has_not_is_refused(tmp_path, name):
+    box = {"box": {"center": [1, 0, -1], "half": [0.1, 0.2, 0.3]}}
+    *_, last = frames_of(tmp_path, {"do": "set", "key": f"bodies.{name}", "value": box})
+    assert last.refused.startswith(f"bodies.{name}: a replay has the bodies of its first frame, and of the same kinds")
+
+
 def test_a_turn_of_an_upright_post_is_refused(tmp_path):
     text = CLOTH + PIN + CONTACT + "[bodies.post]\ncapsule = { start = [1, 2, 0], end = [1, 2, 3], radius = 0.1 }\n"
     turn = {"do": "rotate", "on": "post", "by": "40 deg"}

@@ -386,6 +386,9 @@ class EditSession(ScriptSession[Outline]):
     def _refuse_new_columns(self) -> None:
         """Refuses what would show numbers, such as a further mode, that the replay's table has no column for."""
         new = [name for name in self._application.own_columns(self.scene) if name not in self._columns]
+        if bodies := sorted({".".join(name.split(".")[:2]) for name in new if name.startswith("bodies.")}):
+            what = f"{', '.join(bodies)}: a replay has the bodies of its first frame, and of the same kinds"
+            raise UserError(what, do="have it in the scene from the start, out of the way, and move it")
         if new:
             what = f"the columns of a replay are those of its first frame, and {', '.join(new)} is not among them"
             raise UserError(what, do="ask for as many from the start")

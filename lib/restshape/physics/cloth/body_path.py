@@ -159,20 +159,34 @@ class BodyPath:
     Args:
         before, after: of numbers, in the scene's order.
         contact: of the cloth with them.
+        x: (n, 3) corners where they begin [m].
 
     Attributes:
-        depths: [m] that each may be in the cloth before this follows.
+        depths: [m] that each may be in the cloth before this follows: of one that is deeper already, as the point of a
+            needle that bears all of it, a part of what is left to its middle besides.
 
     Source: docs/theory/cloth.md.
     """
 
-    def __init__(self, before: Sequence[Body], after: Sequence[Body], contact: Contact) -> None:
+    def __init__(
+        self, before: Sequence[Body], after: Sequence[Body], contact: Contact, x: np.ndarray | None = None
+    ) -> None:
         self.before, self.after, self.contact = before, after, contact
         sizes = [min(size_of(old), size_of(new)) for old, new in zip(before, after)]
         # A half-space may get as deep as the smallest other body; sizes change by stairs of the body's own.
         least = min(sizes, default=np.inf)
         remade = map(is_remade, before, after)
         self.depths = [TUCKED * (size if own else least) for size, own in zip(sizes, remade)]
+        if x is not None:
+            for k, (old, depth) in enumerate(zip(before, self.depths)):
+                self.depths[k] = max(depth, self._deeper(old, x, depth))
+
+    def _deeper(self, body: Body, x: np.ndarray, depth: float) -> float:
+        """How deep a body may get that is in cloth at x (n, 3) [m] already; others may as deep as they may."""
+        if not np.isfinite(depth):
+            return depth
+        there = -kernel_body(body).lowest(x, self.contact.cells, ARRIVED * depth)[0]
+        return there + TUCKED * (size_of(body) - there) if depth < there < size_of(body) else depth
 
     @property
     def moves(self) -> bool:

@@ -46,7 +46,7 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         begin: (n, 3) unknowns with the places of supports in the last frame [m]; those of the state are the frame's.
     """
     problem, contact = state.problem, state.problem.contact
-    path, pulled = BodyPath(before, state.bodies, contact), state.x - begin
+    path, pulled = BodyPath(before, state.bodies, contact, problem.corners(begin)), state.x - begin
     if not (path.moves or pulled.any()):
         return state
     x, share, parts, still, report = begin.copy(), 0.0, 1, 0, ConvergenceReport()
