@@ -6,7 +6,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import free, order_factor
-from restshape.analysis.cell_samples import LINEAR_SLOPES, CellSamples
+from restshape.analysis.new_mesh_samples import LINEAR_SLOPES, CellSamples
 from restshape.fem.elements import LINEAR_ELASTIC
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral

@@ -15,13 +15,13 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
-from restshape.analysis.cell_samples import CellSamples
 from restshape.analysis.correction import KeptOperation, RowOperation
 from restshape.analysis.displacement_projection import project_displacement
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
 from restshape.analysis.increment_subspace import IncrementProjection
 from restshape.analysis.modes_beside import ModesBeside
+from restshape.analysis.new_mesh_samples import CellSamples
 from restshape.analysis.repeated_motion import RepeatedMotion
 from restshape.analysis.settings import modal_settings
 from restshape.analysis.solution import Solution, moduli_of

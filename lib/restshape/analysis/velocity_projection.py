@@ -4,7 +4,7 @@ from typing import cast
 
 import numpy as np
 
-from restshape.analysis.cell_samples import CellSamples
+from restshape.analysis.new_mesh_samples import CellSamples
 from restshape.fem.mass import MassMatrix
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import Transfer
