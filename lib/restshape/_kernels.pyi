@@ -30,6 +30,7 @@ __all__: list[str] = [
     "check_cells",
     "combinations",
     "combine_rows",
+    "complete_inside",
     "correct_around",
     "curved_jacobian_bound",
     "cycle_in_single",
@@ -37,6 +38,7 @@ __all__: list[str] = [
     "edge_parameters",
     "edges_of_cells",
     "element_names",
+    "eliminate_inside",
     "ended_at_zero",
     "energy_products",
     "estimate_points",
@@ -653,6 +655,11 @@ def combine_rows(
     out: numpy.typing.NDArray[numpy.float64],
     add: bool,
 ) -> None: ...
+def complete_inside(
+    factor: typing.SupportsInt | typing.SupportsIndex,
+    border: numpy.typing.NDArray[numpy.float64],
+    inside: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def correct_around(
     factor: typing.SupportsInt | typing.SupportsIndex,
     matrix: typing.SupportsInt | typing.SupportsIndex,
@@ -681,6 +688,11 @@ def edges_of_cells(
     cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32], nodes: typing.SupportsInt | typing.SupportsIndex
 ) -> tuple: ...
 def element_names() -> list: ...
+def eliminate_inside(
+    factor: typing.SupportsInt | typing.SupportsIndex,
+    inside: numpy.typing.NDArray[numpy.float64],
+    border: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def ended_at_zero(factor: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
 def energy_products(
     handle: typing.SupportsInt | typing.SupportsIndex,

@@ -36,3 +36,19 @@ def test_as_a_preconditioner_it_takes_up_other_patterns_and_ends_where_there_is_
 def test_a_matrix_is_definite_if_all_of_it_is_and_not_where_the_ranks_own_rows_are(found):
     """By the solver, and by the pivots of own rows, which show nothing here."""
     assert found["believed"] == {"definite": [True, True], "indefinite": [False, True]}
+
+
+def test_panels_substitute_as_rows_do(found):
+    by_rows, single, double = found["panels"]
+    assert by_rows < 1e-12 and double < 1e-12 and 1e-9 < single < 1e-5
+
+
+def test_ranks_choose_a_factor_that_they_share_and_keep_it(found):
+    """Its first solve takes one application, as that of one rank does; an old factor iterates, to the tolerance."""
+    chosen = found["chosen"]
+    assert chosen["name"] == "cholesky, shared" and chosen["negative"] == 0
+    (first, made, exact), (again, kept, old), (other, stale, left) = chosen["taken"]
+    assert first == 1 and made and exact < 1e-10
+    assert again <= 2 and not kept and old < 1e-8
+    assert 1 <= other < 8 and not stale and left < 1e-8
+    assert chosen["definite"] == [True, False]

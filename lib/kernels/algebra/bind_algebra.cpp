@@ -52,6 +52,18 @@ void border_complement(intptr_t factor, Reals out) {
     check(restshape::border_complement(reinterpret_cast<Mat>(factor), out.mutable_data()), "border_complement");
 }
 
+using Half = PetscErrorCode (*)(Mat, const double*, double*);
+
+// A half of a solution with unknowns that a factor keeps.
+void half_solution(intptr_t handle, Half half, py::array_t<double, py::array::c_style> from, Reals to) {
+    Mat factor = reinterpret_cast<Mat>(handle);
+    PetscInt n = 0;
+    check(MatGetSize(factor, &n, nullptr), "MatGetSize");
+    if (from.ndim() != 1 || to.ndim() != 1 || from.size() + to.size() != n)
+        throw std::invalid_argument("what is inside and on the border are all unknowns of the factor");
+    check(half(factor, from.data(), to.mutable_data()), "a half of a solution");
+}
+
 }  // namespace
 
 void bind_algebra(py::module_& m) {
@@ -70,6 +82,21 @@ void bind_algebra(py::module_& m) {
         "are no pivots, and 0 in solutions.");
     m.def("border_complement", &border_complement, py::arg("factor"), py::arg("out").noconvert(),
           "Writes the Schur complement (k, k) of the unknowns that a factor with this handle keeps; see keep_border.");
+    m.def(
+        "eliminate_inside",
+        [](intptr_t factor, py::array_t<double, py::array::c_style> inside, Reals border) {
+            half_solution(factor, restshape::eliminate_inside, inside, border);
+        },
+        py::arg("factor"), py::arg("inside").noconvert(), py::arg("border").noconvert(),
+        "Writes what the equations of the unknowns that a factor with this handle keeps (k,) have on their right once "
+        "the inside, whose right side is (n - k,), is eliminated; see keep_border.");
+    m.def(
+        "complete_inside",
+        [](intptr_t factor, py::array_t<double, py::array::c_style> border, Reals inside) {
+            half_solution(factor, restshape::complete_inside, border, inside);
+        },
+        py::arg("factor"), py::arg("border").noconvert(), py::arg("inside").noconvert(),
+        "Writes the inside's unknowns (n - k,) after eliminate_inside, from those (k,) that the factor keeps.");
     m.attr("node_lu") = restshape::NODE_LU;
     m.attr("node_lu_single") = restshape::NODE_LU_SINGLE;
     m.def(

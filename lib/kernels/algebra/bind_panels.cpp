@@ -30,6 +30,8 @@ struct Panels {
     virtual ~Panels() = default;
     virtual void set(const double* values) = 0;
     virtual void solve(const double* b, double* x) = 0;
+    virtual void forward(const double* b, double* x) = 0;
+    virtual void backward(const double* b, double* x) = 0;
     virtual double flops() const = 0;
 
     bool single = false;
@@ -42,6 +44,8 @@ struct PanelsOf final : Panels {
     explicit PanelsOf(const Rows& rows) : factor(rows) { single = sizeof(Value) < sizeof(double); }
     void set(const double* values) override { factor.set(values); }
     void solve(const double* b, double* x) override { factor.solve(b, order.data(), x); }
+    void forward(const double* b, double* x) override { factor.forward_half(b, x); }
+    void backward(const double* b, double* x) override { factor.backward_half(b, x); }
     double flops() const override { return 4.0 * static_cast<double>(factor.entries()) - 3.0 * factor.size(); }
 
     restshape::PanelFactor<PetscInt, Value> factor;
@@ -64,8 +68,9 @@ Panels* panels_of(Mat mat) {
     return static_cast<Shared*>(context)->get();
 }
 
-// What MatSolve calls.
-PetscErrorCode solve(Mat mat, Vec b, Vec x) {
+// What MatSolve, and the halves of it, call.
+template <void (Panels::*way)(const double*, double*)>
+PetscErrorCode substitute(Mat mat, Vec b, Vec x) {
     PetscObject container = nullptr;
     void* context = nullptr;
     PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), key, &container));
@@ -75,11 +80,13 @@ PetscErrorCode solve(Mat mat, Vec b, Vec x) {
     double* left = nullptr;
     PetscCall(VecGetArrayRead(b, &right));
     PetscCall(VecGetArrayWrite(x, &left));
-    panels.solve(right, left);
+    (panels.*way)(right, left);
     PetscCall(VecRestoreArrayWrite(x, &left));
     PetscCall(VecRestoreArrayRead(b, &right));
     return PetscLogFlops(panels.flops());
 }
+
+constexpr Solve solve = substitute<&Panels::solve>;
 
 // A factor of PETSc's in symmetric blocks, seen through what it lets everybody see.
 class PetscFactor {
@@ -236,7 +243,15 @@ bool solve_by_panels(intptr_t handle, bool single) {
         if (!made) return false;
         compose(mat, made);
     }
-    check(MatSetOperation(mat, MATOP_SOLVE, reinterpret_cast<void (*)(void)>(solve)), "MatSetOperation");
+    const auto set = [&](MatOperation which, Solve way) {
+        check(MatSetOperation(mat, which, reinterpret_cast<void (*)(void)>(way)), "MatSetOperation");
+    };
+    set(MATOP_SOLVE, solve);
+    // Factors in an order of their own, which their callers know.
+    if (inner) {
+        set(MATOP_FORWARD_SOLVE, substitute<&Panels::forward>);
+        set(MATOP_BACKWARD_SOLVE, substitute<&Panels::backward>);
+    }
     return true;
 }
 

@@ -191,7 +191,8 @@ PetscErrorCode find_zero(Mat F) {
     PetscFunctionReturn(0);
 }
 
-// Takes the Schur complement of the border out of the rows that it has in a factor, which are left as zeros.
+// Takes the Schur complement of the border out of the rows that it has in a factor, which are left as those of ones: a
+// forward substitution leaves there what the border's equations have on their right, without the inside.
 template <int size>
 void take_complement(NodeCholesky& c, const BlockRows& own) {
     const PetscInt first = c.pivots(), wide = c.border, numbers = size * size;
@@ -206,6 +207,7 @@ void take_complement(NodeCholesky& c, const BlockRows& own) {
     };
     for (PetscInt k = first; k < own.count; ++k) {
         take(k, k, own.value + k * numbers);
+        for (PetscInt d = 0; d < size; ++d) own.value[k * numbers + d * (size + 1)] = 1.0;
         for (PetscInt j = own.start[k]; j < own.start[k + 1]; ++j) take(k, own.column[j], own.value + j * numbers);
     }
 }
@@ -298,6 +300,10 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
     PetscFunctionReturn(0);
 }
 
+// Forward substitution of `right` into `solution`, and backward from there into `right`.
+PetscErrorCode go_forward(NodeCholesky* c) { return (*c->factor->ops->forwardsolve)(c->factor, c->b, c->x); }
+PetscErrorCode go_backward(NodeCholesky* c) { return (*c->factor->ops->backwardsolve)(c->factor, c->x, c->b); }
+
 PetscErrorCode solve(Mat F, Vec b, Vec x) {
     NodeCholesky* c = of(F);
     const PetscInt size = c->blocks.size, n = static_cast<PetscInt>(c->blocks.order.size());
@@ -309,7 +315,14 @@ PetscErrorCode solve(Mat F, Vec b, Vec x) {
     for (PetscInt k = 0; k < n; ++k)
         for (PetscInt d = 0; d < size; ++d) c->right[size * k + d] = from[size * order[k] + d];
     PetscCall(VecRestoreArrayRead(b, &from));
-    PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
+    if (c->border) {
+        PetscCall(go_forward(c));
+        std::fill(c->solution.end() - c->border, c->solution.end(), 0.0);
+        PetscCall(go_backward(c));
+        std::copy(c->right.begin(), c->right.end(), c->solution.begin());
+    } else {
+        PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
+    }
     PetscCall(VecGetArrayWrite(x, &to));
     for (PetscInt k = 0; k < n; ++k)
         for (PetscInt d = 0; d < size; ++d) to[size * order[k] + d] = c->solution[size * k + d];
@@ -389,6 +402,33 @@ PetscErrorCode border_complement(Mat factor, double* complement) {
     PetscFunctionBegin;
     PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     std::copy(of(factor)->complement.begin(), of(factor)->complement.end(), complement);
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode eliminate_inside(Mat factor, const double* inside, double* border) {
+    PetscFunctionBegin;
+    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    NodeCholesky* c = of(factor);
+    const PetscInt size = c->blocks.size, pivots = c->pivots();
+    const PetscInt* order = c->blocks.order.data();
+    for (PetscInt k = 0; k < pivots; ++k) std::copy_n(inside + size * order[k], size, c->right.begin() + size * k);
+    std::fill(c->right.end() - c->border, c->right.end(), 0.0);
+    PetscCall(go_forward(c));
+    for (PetscInt k = pivots; k < pivots + c->border / size; ++k)
+        std::copy_n(c->solution.begin() + size * k, size, border + size * (order[k] - pivots));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode complete_inside(Mat factor, const double* border, double* inside) {
+    PetscFunctionBegin;
+    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    NodeCholesky* c = of(factor);
+    const PetscInt size = c->blocks.size, pivots = c->pivots();
+    const PetscInt* order = c->blocks.order.data();
+    for (PetscInt k = pivots; k < pivots + c->border / size; ++k)
+        std::copy_n(border + size * (order[k] - pivots), size, c->solution.begin() + size * k);
+    PetscCall(go_backward(c));
+    for (PetscInt k = 0; k < pivots; ++k) std::copy_n(c->right.begin() + size * k, size, inside + size * order[k]);
     PetscFunctionReturn(0);
 }
 

@@ -21,4 +21,10 @@ PetscErrorCode keep_border(Mat factor, PetscInt unknowns);
 // The Schur complement of what a factor keeps, by rows.
 PetscErrorCode border_complement(Mat factor, double* complement);
 
+// A solution with unknowns of the border that are not 0, in two halves: what the equations of the border have on their
+// right without the inside, from its right side; and the inside's unknowns, once those of the border are known. Nothing
+// else is solved with the factor in between.
+PetscErrorCode eliminate_inside(Mat factor, const double* inside, double* border);
+PetscErrorCode complete_inside(Mat factor, const double* border, double* inside);
+
 }  // namespace restshape

@@ -136,8 +136,19 @@ class PanelFactor {
         for (Index i = 0; i < n_; ++i) x_[i] = static_cast<Value>(b[order[i]]);
         // What was not a number in the last substitution has left none here.
         std::fill(x_.begin() + n_, x_.end(), Value(0));
-        with_size([&](auto size) { substitute<size()>(); });
+        with_size([&](auto size) {
+            go_forward<size()>();
+            go_backward<size()>();
+        });
         for (Index i = 0; i < n_; ++i) x[order[i]] = x_[i];
+    }
+
+    // The halves of it: x = (U^T D)^-1 b in the factor's order, and x = U^-1 b.
+    void forward_half(const double* b, double* x) {
+        half(b, x, [&](auto size) { go_forward<size()>(); });
+    }
+    void backward_half(const double* b, double* x) {
+        half(b, x, [&](auto size) { go_backward<size()>(); });
     }
 
  private:
@@ -175,10 +186,23 @@ class PanelFactor {
         visit(std::integral_constant<int, most>{});
     }
 
+    template <class Way>
+    void half(const double* b, double* x, Way way) {
+        for (Index i = 0; i < n_; ++i) x_[i] = static_cast<Value>(b[i]);
+        std::fill(x_.begin() + n_, x_.end(), Value(0));
+        with_size(way);
+        for (Index i = 0; i < n_; ++i) x[i] = x_[i];
+    }
+
     template <int S>
-    void substitute() {
+    void go_forward() {
         constexpr int most = widest / S;
         for (const Panel& p : panels_) with_nodes<most>(p.width / S, [&](auto nodes) { forward<nodes() * S, S>(p); });
+    }
+
+    template <int S>
+    void go_backward() {
+        constexpr int most = widest / S;
         for (size_t k = panels_.size(); k-- > 0;)
             with_nodes<most>(panels_[k].width / S, [&](auto nodes) { backward<nodes() * S, S>(panels_[k]); });
     }

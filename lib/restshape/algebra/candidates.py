@@ -67,6 +67,7 @@ class Candidate:
         plane, space: what to expect of problems that declare these dimensions.
         krylov: PETSc's type of the iteration; empty leaves it to the traits.
         exchanges: a complete factor exchanges rows (MUMPS).
+        shared: a complete factor of the whole matrix that several ranks share, of nodes of two or three unknowns.
     """
 
     name: str
@@ -76,6 +77,7 @@ class Candidate:
     space: Prior
     krylov: str = ""
     exchanges: bool = False
+    shared: bool = False
 
     @property
     def complete(self) -> bool:
@@ -102,6 +104,14 @@ CHOLESKY = Candidate(
     Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, exact=COUPLED),
     Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, exact=COUPLED),
 )
+SHARED = Candidate(
+    "cholesky, shared",
+    "cholesky",
+    0,
+    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4),
+    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4),
+    shared=True,
+)
 ICC, ICC_SPACE = incomplete("icc")
 ILU, ILU_SPACE = incomplete("ilu")
 GAMG = Candidate(
@@ -111,7 +121,7 @@ GAMG = Candidate(
     Prior(Law(1.4, 1.0), Law(8.0, 0.0), 0.03),
     Prior(Law(1.25, 1.0), Law(9.0, 0.0), 0.03),
 )
-PLANE = (CHOLESKY, ICC, ILU, GAMG)
+PLANE = (CHOLESKY, SHARED, ICC, ILU, GAMG)
 SPACE = (CHOLESKY, ICC_SPACE, ILU_SPACE, GAMG)
 
 

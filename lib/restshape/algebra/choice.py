@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from restshape.algebra.candidates import MORE_RANKS, Candidate, candidates
 from restshape.algebra.outlay import Outlay, Rival
-from restshape.algebra.prices import Prices, Size, flow_prices, prices
+from restshape.algebra.prices import MOST_BORDER, Prices, Size, border_unknowns, flow_prices, prices, shared_prices
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.first_use import made
@@ -169,6 +169,8 @@ class Choice:
     def candidates(self, size: Size) -> tuple[Candidate, ...]:
         """What may be chosen for matrices of that size."""
         known = candidates(replace(self.traits, dimension=size.dimension))
+        nodes = (size.fields or size.dimension) > 1
+        known = tuple(one for one in known if not one.shared or (size.ranks > 1 and nodes))
         if not self.krylov:
             return known
         same = tuple(one for one in known if one.krylov == self.krylov)
@@ -192,6 +194,8 @@ class Choice:
 
     def fits(self, candidate: Candidate, size: Size) -> bool:
         """Whether a complete factor is small enough; others always are."""
+        if candidate.shared and border_unknowns(size) > MOST_BORDER:
+            return False
         return not candidate.complete or self._bytes(candidate, size) <= self.memory
 
     def _bytes(self, candidate: Candidate, size: Size) -> float:
@@ -220,6 +224,8 @@ class Choice:
     def prices(self, candidate: Candidate, size: Size, filled: float = 0.0) -> Prices:
         """What a candidate costs, with so many nonzeros where they are known."""
         filled = filled or self.filled(candidate, size)
+        if candidate.shared:
+            return shared_prices(size, filled, self.calibration)
         if not candidate.krylov:
             return prices(candidate.kind, size, filled, self.calibration)
         fresh, _ = self.expected(candidate, size)

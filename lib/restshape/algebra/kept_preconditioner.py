@@ -1,11 +1,15 @@
 """A preconditioner that outlives the matrix that it was made from."""
 
+from __future__ import annotations
+
 import logging
+from typing import TYPE_CHECKING
 
 import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.candidates import DECADES, ILU, THESIS_FLOW, Candidate
 from restshape.algebra.choice import Choice
 from restshape.algebra.krylov_method import set_krylov
@@ -21,6 +25,9 @@ from restshape.algebra.preconditioner import (
 from restshape.algebra.prices import Prices, Size, prices
 from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
+
+if TYPE_CHECKING:
+    from restshape.algebra.shared_solves import SharedSolves
 
 log = logging.getLogger("restshape.algebra")
 
@@ -72,6 +79,7 @@ class KeptPreconditioner:
         self._given: list[str] = []
         self.blocks = self.single = True
         self.flipped, self._corrected, self.rounded = NOWHERE, False, False
+        self._shared: SharedSolves | None = None
         if method == "ilu" and named is None:
             self._take(THESIS_FLOW if self.may_exchange else ILU)
         else:
@@ -97,7 +105,7 @@ class KeptPreconditioner:
     @property
     def exact(self) -> bool:
         """Whether it is a complete factor of the whole matrix."""
-        return self.complete and (self.ranks == 1 or self.exchanges)
+        return self.complete and (self.ranks == 1 or self.exchanges or self._shared is not None)
 
     @property
     def may_exchange(self) -> bool:
@@ -122,7 +130,7 @@ class KeptPreconditioner:
 
     @property
     def nested(self) -> bool:
-        """Whether it consists of others: block Jacobi, or multigrid."""
+        """Whether it consists of others: block Jacobi, multigrid, or what ranks have of a factor that they share."""
         return self.kind == "gamg" or (self.ranks > 1 and not (self.complete and self.exchanges))
 
     @property
@@ -240,7 +248,9 @@ class KeptPreconditioner:
         Args:
             iterates: each of them is an iteration, for which single precision does.
         """
-        if self.kind == "cholesky":
+        if self._shared:
+            self._shared.substitute_by_panels(iterates and self.single)
+        elif self.kind == "cholesky":
             for part in factors_of(self.ksp):
                 _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
 
@@ -282,12 +292,12 @@ class KeptPreconditioner:
     def note_kind(self) -> None:
         """Take in what PETSc has made of it, once the options for its set-up are not needed any more."""
         self._forget_options()
-        self.kind = kind_of(self.ksp.getPC())
+        self.kind = self.kind if self._shared else kind_of(self.ksp.getPC())
 
     def price(self) -> Prices:
         """Seconds that it costs, from counted work on all ranks and the calibration."""
         size = self.size
-        stored = nonzeros(self.ksp.getPC())
+        stored = self._shared.nonzeros if self._shared else nonzeros(self.ksp.getPC())
         # An LU factor has the nonzeros of two triangles, of which the prices expect one.
         filled = self.filled = 0.5 * stored if self.kind == "lu" else stored
         if self.candidate and filled:
@@ -316,7 +326,7 @@ class KeptPreconditioner:
 
     def replace_failed(self) -> bool:
         """After a failure of a fresh one, take one of another kind; returns whether any is left."""
-        if self.kind == "cholesky" and self.blocks and not (self._named or self.traits.pivots):
+        if self.kind == "cholesky" and self.blocks and not (self._named or self.traits.pivots or self._shared):
             log.info("KSP %s: a factor of single numbers, in place of one in blocks", self.ksp.getOptionsPrefix())
             self.blocks = False
             self._reset()
@@ -324,7 +334,7 @@ class KeptPreconditioner:
             return True
         if self.may_exchange:
             return self._exchange()
-        if not self.chooses or self.candidate is None or self.candidate.kind == "cholesky":
+        if not self.chooses or self.candidate is None or (self.candidate.kind == "cholesky" and not self._shared):
             return False
         self.choice.exclude(self.candidate)
         left = self.choice.open(self.size)
@@ -370,12 +380,16 @@ class KeptPreconditioner:
         """
         if not (self.complete and self.traits.definite):
             return 0
+        if self._shared:
+            return self._shared.negative
         return self._summed(sum(negative_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
     def zero_pivots(self) -> int:
         """Pivots of a factor that are zero, likewise; of one that is not symmetric those that it has ended at."""
         if self.exchanges:
             return 0
+        if self._shared:
+            return int(self._shared.singular)
         return self._summed(sum(zero_pivots(part.getFactorMatrix(), self.kind) for part in factors_of(self.ksp)))
 
     def shows_definite(self, mat: PETSc.Mat) -> bool:
@@ -411,6 +425,13 @@ class KeptPreconditioner:
     def _set(self, levels: int) -> None:
         self._forget_options()
         traits = self.traits
+        self._shared = None
+        if self.candidate and self.candidate.shared:
+            # It brings SciPy, which one rank does not need.
+            from restshape.algebra.shared_solves import set_shared_factor
+
+            self._shared = set_shared_factor(destroyed_at_exit(self.ksp), traits.fields or traits.dimension)
+            return
         shifts = traits.symmetric or traits.definite
         with_rows = (self.overlap, traits.symmetric)
         self._given = set_preconditioner(self.ksp, self.kind, levels, self.exchanges, self.blocks, shifts, *with_rows)

@@ -62,11 +62,28 @@ class BorderedFactor:
             _kernels.border_complement(self._pc.getFactorMatrix().handle, out)
         return out
 
+    def substitute_by_panels(self, single: bool) -> None:
+        """Substitute by panels, in `single` precision or in double."""
+        if self._pc is not None:
+            _kernels.solve_by_panels(self._pc.getFactorMatrix().handle, single)
+
     def solve(self, right: Reals) -> Reals:
         """The solution (n,) with right side (n,)."""
         found = np.zeros_like(right)
         apply_to(self._pc, right, found)
         return found
+
+    def eliminate(self, inside: Reals) -> Reals:
+        """What equations of the border (border,) have on their right without the unknowns before it (n,)."""
+        out = np.empty(self.border)
+        _kernels.eliminate_inside(self._pc.getFactorMatrix().handle, inside, out)
+        return out
+
+    def complete(self, border: Reals, count: int) -> Reals:
+        """The unknowns (count,) before the border after `eliminate`, from those of the border."""
+        out = np.empty(count)
+        _kernels.complete_inside(self._pc.getFactorMatrix().handle, border, out)
+        return out
 
     def destroy(self) -> None:
         """Free it."""
@@ -79,12 +96,15 @@ class NodeInterior:
 
     Args:
         count: unknowns inside; border: of the border; nodes: unknowns of a node.
+
+    Attributes:
+        factor: of both.
     """
 
     def __init__(self, count: int, border: int, nodes: int) -> None:
         self.count, self.border, self.nodes = count, border, nodes
         self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
-        self._factor = BorderedFactor(border)
+        self.factor = BorderedFactor(border)
         self._whole: sp.csr_matrix | None = None
 
     def make(self, local: sp.csr_matrix) -> Reals:
@@ -92,13 +112,13 @@ class NodeInterior:
         if self._whole is None:
             self._whole = self._begin(local)
         np.take(np.append(local.data, 0.0), self._source, out=self._whole.data)
-        self._factor.make(self._whole)
+        self.factor.make(self._whole)
         self.negative, self.singular, self.nonzeros = (
-            self._factor.negative,
-            self._factor.singular,
-            self._factor.nonzeros,
+            self.factor.negative,
+            self.factor.singular,
+            self.factor.nonzeros,
         )
-        return self._factor.complement()
+        return self.factor.complement()
 
     def _begin(self, local: sp.csr_matrix) -> sp.csr_matrix:
         """The symmetric pattern in blocks, which the border's own nodes are on as zeros."""
@@ -119,23 +139,25 @@ class NodeInterior:
         found = np.empty_like(rows)
         for row, out in zip(rows, found):
             right[: self.count] = row
-            out[:] = self._factor.solve(right)[: self.count]
+            out[:] = self.factor.solve(right)[: self.count]
         return found
 
     def destroy(self) -> None:
         """Free it."""
-        self._factor.destroy()
+        self.factor.destroy()
 
 
 class DenseBorder:
     """The dense factor of the border's complement (m, m), by `BorderedFactor`.
 
     Attributes:
-        negative: pivots.
+        negative: pivots; factor: of it.
     """
 
     def __init__(self) -> None:
-        self.negative, self._factor, self._size = 0, BorderedFactor(), 0
+        self.negative, self.factor, self._size = 0, BorderedFactor(), 0
+        # What is counted of a factor is what all ranks do; this is done by one of them.
+        self._stage = PETSc.Log.Stage("border of ranks")
 
     def make(self, complement: Reals) -> bool:
         """Factor; whether a pivot is zero."""
@@ -144,20 +166,23 @@ class DenseBorder:
         size = len(complement)
         if size != self._size:
             self.destroy()
-            self._factor, self._size = BorderedFactor(), size
+            self.factor, self._size = BorderedFactor(), size
         if not size:
             self.negative = 0
             return False
         columns = np.tile(np.arange(size, dtype=np.int32), size)
         starts = np.arange(0, size * size + 1, size, dtype=np.int32)
-        self._factor.make(sp.csr_matrix((complement.ravel(), columns, starts), 2 * (size,)))
-        self.negative = self._factor.negative
-        return self._factor.singular
+        with self._stage:
+            self.factor.make(sp.csr_matrix((complement.ravel(), columns, starts), 2 * (size,)))
+        self.negative = self.factor.negative
+        return self.factor.singular
 
     def solve(self, right: Reals) -> Reals:
         """The solutions (k, m) with right sides (k, m)."""
-        return np.array([self._factor.solve(row) for row in np.ascontiguousarray(right)]).reshape(right.shape)
+        with self._stage:
+            found = [self.factor.solve(row) for row in np.ascontiguousarray(right)]
+        return np.array(found).reshape(right.shape)
 
     def destroy(self) -> None:
         """Free it."""
-        self._factor.destroy()
+        self.factor.destroy()

@@ -15,6 +15,10 @@ ROW = 14.0
 EXCHANGE, COARSENING = 5e-6, 10.0
 """Seconds of an exchange of values at borders of ranks, or of a sum over them; unknowns of a grid of GAMG's over those
 of the next one, in the plane."""
+SHARED_EXCHANGES, SHARED_SYMBOLIC = 10.0, 3.0
+"""Exchanges of an application of a factor that ranks share; analysis of its pattern over that of one rank's factor."""
+MOST_BORDER = 4_000
+"""Unknowns that couple ranks up to which one factor of them all may be chosen: a dense factor of 0.1 GB."""
 RESTART = 100
 """Directions that GMRES keeps: complete factors need few, incomplete ones of slender bodies stall with PETSc's 30."""
 
@@ -89,6 +93,22 @@ def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
             known.factor_seconds(*work, filled),
         )
     return Prices(*costs, costs[0] - once, product, once - product)
+
+
+def border_unknowns(size: Size) -> int:
+    """Unknowns that couple the parts of so many ranks, about: of halves of halves of a square."""
+    nodes = size.unknowns / (size.fields or size.dimension)
+    return round((size.fields or size.dimension) * math.sqrt(nodes) * (math.sqrt(2.0 * size.ranks) - 1.0))
+
+
+def shared_prices(size: Size, filled: float, known: Calibration) -> Prices:
+    """What a complete Cholesky factor costs that ranks share: each its inside, the first one their border, dense."""
+    inside, border = prices("cholesky", size, filled, known), 0.5 * border_unknowns(size) ** 2
+    apply = inside.apply + 2.0 * known.solve_nonzero * border + SHARED_EXCHANGES * EXCHANGE
+    numeric = inside.refresh + known.numeric_nonzero * border + known.numeric_work * border**1.5
+    symbolic = SHARED_SYMBOLIC * (inside.setup - inside.refresh)
+    once = inside.product + inside.vectors
+    return Prices(apply + once, numeric, symbolic + numeric, apply, inside.product, inside.vectors)
 
 
 def exchange_seconds(kind: str, size: Size) -> float:

@@ -54,8 +54,11 @@ class SharedFactor:
             self._dense.destroy()
         self.made, self.stale_pattern, self._matrix = False, True, None
 
-    def substitute_by_panels(self) -> None:
-        """Nothing: MUMPS substitutes by panels."""
+    def substitute_by_panels(self, single: bool = False) -> None:
+        """Substitute by panels of nodes, in `single` precision or in double, which MUMPS does by itself."""
+        if isinstance(self._inside, NodeInterior):
+            for part in (self._inside.factor, self._dense.factor):
+                part.substitute_by_panels(single)
 
     def make(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> int:
         """Factor; the number of eigenvalues below the shift, the same on all ranks.
@@ -164,6 +167,20 @@ class SharedFactor:
         found[:, border.inside], found[:, border.own] = inside, at_border[:, border.own_places]
         return found
 
+    def _solve_row(self, row: Reals) -> Reals:
+        """The inverse times a row (n,), by factors in blocks of nodes, which are passed once each way."""
+        border, found, inside = self._border, np.empty_like(row), self._inside
+        right = np.zeros(len(border.rows))
+        right[border.own_places] = row[border.own]
+        factor = inside.factor if isinstance(inside, NodeInterior) and inside.count else None
+        if factor:
+            right[border.beside] += factor.eliminate(row[border.inside])
+        at_border = self._solve_border(right[None])[0] if len(right) else right
+        if factor:
+            found[border.inside] = factor.complete(at_border[border.beside], len(border.inside))
+        found[border.own] = at_border[border.own_places]
+        return found
+
     def _solve_inside(self, rows: Reals) -> Reals:
         return self._inside.solve(np.ascontiguousarray(rows)) if rows.size else np.zeros_like(rows)
 
@@ -185,7 +202,8 @@ class SharedFactor:
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Forward and backward substitution."""
-        x.getArray()[:] = self.solve_rows(b.getArray(readonly=True)[None])[0]
+        right = b.getArray(readonly=True)
+        x.getArray()[:] = self._solve_row(right) if self._nodes else self.solve_rows(right[None])[0]
 
 
 def definite_on_ranks(mat: PETSc.Mat) -> bool:

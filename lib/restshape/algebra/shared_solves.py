@@ -17,10 +17,24 @@ class SharedSolves:
 
     Args:
         nodes: unknowns of a node.
+
+    Attributes:
+        negative: pivots of all ranks; singular: there is no factor.
     """
 
     def __init__(self, nodes: int) -> None:
         self._factor, self._pattern = SharedFactor(nodes), PETSc.Mat()
+        self.negative, self.singular = 0, False
+
+    @property
+    def nonzeros(self) -> float:
+        """Of the factors of all ranks; 0 without one."""
+        return self._factor.nonzeros if self._factor.made else 0.0
+
+    def substitute_by_panels(self, single: bool) -> None:
+        """Substitute by panels, in `single` precision or in double; they are worth making for several solves."""
+        if self._factor.made:
+            self._factor.substitute_by_panels(single)
 
     def setUp(self, pc: PETSc.PC) -> None:
         """Factor the matrix; another one may have another pattern."""
@@ -30,10 +44,11 @@ class SharedSolves:
             # Held, so that no other matrix takes its place in memory.
             self._pattern = matrix
         try:
-            self._factor.make(matrix, matrix, 0.0)
+            self.negative, self.singular = self._factor.make(matrix, matrix, 0.0), False
         except ReplayProblem as problem:
             log.warning("%s", problem)
             self._factor.forget()
+            self.negative, self.singular = 0, True
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the solution with right side b."""
@@ -52,7 +67,9 @@ class SharedSolves:
         self.reset(pc)
 
 
-def set_shared_factor(ksp: PETSc.KSP, nodes: int) -> None:
+def set_shared_factor(ksp: PETSc.KSP, nodes: int) -> SharedSolves:
     """Give a solver on several ranks a complete factor of its matrix, of so many unknowns a node, which they share."""
+    found = SharedSolves(nodes)
     ksp.getPC().setType("python")
-    ksp.getPC().setPythonContext(SharedSolves(nodes))
+    ksp.getPC().setPythonContext(found)
+    return found
