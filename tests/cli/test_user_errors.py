@@ -259,3 +259,15 @@ def test_a_part_without_a_material(tmp_path, command):
     (tmp_path / "plate.toml").write_text(PARTS.replace('hard = { E = "2 GPa", nu = 0.3, region = ["RIGHT"] }\n', ""))
     done = command("replay", "plate.toml")
     assert done.returncode == 2 and "2 triangles lie outside of the regions" in done.stderr
+
+
+@pytest.mark.parametrize(("across", "code"), [(0.0, 2), (1.0, 0)])
+def test_a_column_that_buckles_at_once_goes_to_the_side_of_a_small_load(folder, capsys, across, code):
+    """Its critical load is 514 N; what the message says to add leads past it."""
+    column = ["shape.vertices.b.0=20", "shape.vertices.c.0=20", "effects.large_deformation={}", "mesh.size=1"]
+    pushed = [f"loads.pull={{on='right',force=['-750 N','{across} * 0.75 N']}}", "material.steel.E='0.1 GPa'"]
+    words = [part for one in (*column, *pushed) for part in ("--set", one)]
+    assert main(["replay", str(folder / "plate.toml"), *words]) == code
+    said = capsys.readouterr()
+    if code:
+        assert "such an equilibrium is unstable" in said.err and "a thousandth as large" in said.err

@@ -9,6 +9,7 @@ from time import perf_counter
 from petsc4py import PETSc
 
 from restshape.algebra.gathering import clean_up
+from restshape.algebra.newton_convergence import INDEFINITE
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.row_values import RowValues, whole
 from restshape.errors import ReplayProblem, UserError
@@ -176,6 +177,8 @@ def _without_solution(edit: ScriptFrame, problem: ReplayProblem | UserError, pet
     if isinstance(problem, UserError):
         return edit.scene.located(problem)
     mend = "mend the scene: its first shape has no solution"
+    if INDEFINITE in str(problem):
+        mend = "lower the loads, or add one across them, a thousandth as large, that says to which side it buckles"
     if followed := of_solvers(petsc):
         do = f"leave these words out, for solvers follow them; where that does not help, {mend}"
         return UserError(str(problem), f"-- {' '.join(followed)}", do)
