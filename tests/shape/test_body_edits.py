@@ -165,6 +165,12 @@ def test_a_turn_that_changes_nothing_is_refused(tmp_path, on, about, refused):
     assert not refused or "a sphere that turns about its own vertical axis stays as it is" in frames[1].refused
 
 
+def test_a_body_may_turn_by_whole_turns(tmp_path):
+    frames = frames_of(tmp_path, {"do": "rotate", "on": "bar", "by": "720 deg", "frames": 4})
+    assert not any(frame.refused for frame in frames)
+    np.testing.assert_allclose(form(frames[2], "bar").start, form(frames[0], "bar").start, atol=1e-15)
+
+
 @pytest.mark.parametrize("name", ["drum", "second"])
 def test_a_body_that_the_first_frame_has_not_is_refused(tmp_path, name):
     box = {"box": {"center": [1, 0, -1], "half": [0.1, 0.2, 0.3]}}

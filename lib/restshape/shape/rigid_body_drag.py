@@ -32,6 +32,8 @@ SIZES = {
 TURNS = {"box": "rotate", "mesh": "turn", "mannequin": "turn"}
 """Keys that are angles about x, y and z, by kind of body."""
 
+ANY = 1.0
+"""An angle [rad] that brings no body back to where it was, unless it is round."""
 ROUNDING = 1e-12
 """Change of numbers below which they are the same, over the largest."""
 
@@ -81,18 +83,22 @@ def turned(kind: str, form: Form, angle: float, about: tuple[float, float] | Non
     Raises:
         UserError: it is round about that, so that nothing would change: it has no sides that would take cloth along.
     """
-    c, s = np.cos(angle), np.sin(angle)
-    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     axis = _axis(kind, form, about)
-    before, form = form, form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
-    if kind == "plane":
-        form = form | {"normal": R @ form["normal"]}
-    if kind not in TURNS and _alike(before, form):
+    if kind not in TURNS and _alike(form, _turned(kind, form, ANY, axis)):
         do = "turn it about a point beside it, give it the form of a box, or leave it"
         raise UserError(f"a {kind} that turns about its own vertical axis stays as it is", do=do)
+    form = _turned(kind, form, angle, axis)
     # The last of its turns is that about z.
     key = TURNS.get(kind)
     return form | {key: form[key] + (0.0, 0.0, angle)} if key else form
+
+
+def _turned(kind: str, form: Form, angle: float, axis: Reals) -> Form:
+    """The form with its places, and a normal, turned by an angle [rad] about the vertical through a point (3,) [m]."""
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    form = form | {key: axis + R @ (form[key] - axis) for key in POINTS[kind]}
+    return form | {"normal": R @ form["normal"]} if kind == "plane" else form
 
 
 def scaled(kind: str, form: Form, factor: float, about: tuple[float, float] | None) -> Form:
