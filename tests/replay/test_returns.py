@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from restshape.calibration import Calibration
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
+from restshape.replay.returns import Returns
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 
@@ -103,6 +105,39 @@ def test_undo_and_redo_bring_back_cloth_and_friction_without_a_step(there_and_ba
         assert same(frame, known) and frame["converged"] == known["converged"]
         assert frame["untrusted"] == known["untrusted"] and frame["max_strain"] == known["max_strain"]
         assert frame["relaxation_steps"] == frame["iterations"] == frame["factorisations"] == frame["pc_rebuilt"] == 0
+
+
+@pytest.mark.weekly
+def test_undo_brings_back_an_edit_whose_last_frame_was_refused(replay):
+    """Its end is the frame before: a hole grew past the border."""
+    pocket = {"do": "hole", "name": "pocket", "center": [0.12, 0.12], "radius": 0.06}
+    larger = {"do": "scale", "on": "pocket", "factor": 3, "frames": 4}
+    grown = {"do": "set", "key": "bodies.ball.sphere.radius", "value": 0.27}
+    found = replay([pocket, larger, grown, {"do": "undo"}])
+    rows, x = zip(*((row, found.analysis.x.copy()) for row in found.frames()))
+    assert [bool(row["refused"]) for row in rows] == [False, False, False, True, True, True, False, False]
+    np.testing.assert_array_equal(x[7], x[2])
+    assert not np.array_equal(x[6], x[2]) and rows[7]["relaxation_steps"] == 0
+
+
+@pytest.mark.parametrize("refused", [True, False])
+def test_an_edit_whose_last_frame_is_refused_ends_with_the_one_before(refused):
+    """Its answer is kept when the next edit leaves it; one of a frame within an edit is not."""
+
+    def frame(ended, refused=None):
+        return SimpleNamespace(edit_ended=ended, refused=refused, change="values", do="scale", outline=[], scene=[])
+
+    answer = SimpleNamespace(kept_answer=lambda: np.zeros(3))
+    parts = SimpleNamespace(analysis=SimpleNamespace(recalling=answer), moving=None)
+    returns = Returns(parts, policy("auto"))
+    solved = frame(ended=False)
+    returns.leave(solved)
+    returns.take(solved, True)
+    if refused:
+        returns.leave(frame(ended=True, refused="edges cross"))
+    assert returns.nbytes == 0
+    returns.leave(frame(ended=False))
+    assert returns.nbytes == (24 if refused else 0)
 
 
 def test_without_what_was_kept_the_way_back_ends_elsewhere(replay):

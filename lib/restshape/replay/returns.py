@@ -66,6 +66,7 @@ class Returns:
         self.most = most
         self._kept: OrderedDict[tuple[int, int], KeptFrame] = OrderedDict()
         self._last: ScriptFrame | None = None
+        self._ended = False
 
     @property
     def nbytes(self) -> int:
@@ -74,10 +75,12 @@ class Returns:
 
     def leave(self, edit: ScriptFrame) -> None:
         """Keep the answer of the last frame, if an edit has ended with it and this frame changes anything."""
-        last = self._last
+        last, ended = self._last, self._ended
+        self._ended = edit.edit_ended
         if last is None or edit.change == "none" or edit.refused:
             return
-        if not (last.edit_ended or last.change == "start" or edit.do in RETURNS):
+        # An edit whose last frames are refused has ended with the one before them.
+        if not (last.edit_ended or ended or last.change == "start" or edit.do in RETURNS):
             return
         if self._restorable is not None and (mesh := self._moving.kept_mesh()) is not None:
             self._keep(KeptFrame(last, self._restorable.kept_answer(), mesh))
