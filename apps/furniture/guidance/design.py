@@ -50,7 +50,7 @@ from restshape_apps.furniture.shape.planks import FREEDOMS, Piece
 
 from restshape.findings import Finding
 from restshape.guidance.combination_search import REPRESENTED, Combination
-from restshape.guidance.force_space import LONGEST
+from restshape.guidance.force_space import LONGEST, ForceSpace
 from restshape.guidance.ranges import Ranges, predicted_ends, valid_ranges
 from restshape.scene.model import Quantity
 
@@ -162,6 +162,7 @@ class Design:
 
     def __post_init__(self) -> None:
         self.furniture = Furniture(self.piece)
+        self._spaces: dict[tuple[tuple[int, int], ...], tuple[np.ndarray, ForceSpace]] = {}
 
     @classmethod
     def closed(cls, piece: Piece, guidance: Guidance) -> Design:
@@ -230,8 +231,10 @@ class Design:
 
         def clear(t: float) -> bool:
             gamma = t * design_direction.direction
+            if self._models.decide(gamma):
+                return False
             raw = self.furniture.kernel.shape(gamma)
-            if free_ends_at(self.piece, raw["centre"], raw["axes"], raw["size"]) or self._models.decide(gamma):
+            if free_ends_at(self.piece, raw["centre"], raw["axes"], raw["size"]):
                 return False
             return not self.guidance.bending or not violated_limits(self.furniture.moved(gamma), {}, True)
 
@@ -256,10 +259,15 @@ class Design:
         hints = np.array(design_direction.expected)
         used = np.argwhere(design_direction.direction != 0.0)
         if not result.flaws & LOST and len(self.piece.joints) and len(used):
-            modes = DesignModes.of(self.piece, [tuple(one) for one in used.tolist()])
-            units = np.array([modes.directions[k].reshape(-1, 8)[p, f] for k, (p, f) in enumerate(used)])
-            parts = np.array([design_direction.direction[p, f] for p, f in used]) / units
-            hints = np.append(hints, predicted_ends(durability_space(self.furniture, modes), parts))
+            freedoms = tuple(map(tuple, used.tolist()))
+            if freedoms not in self._spaces:
+                # Frames of a drag differ in how far each freedom goes, not in which ones do.
+                modes = DesignModes.of(self.piece, freedoms)
+                units = np.array([modes.directions[k].reshape(-1, 8)[p, f] for k, (p, f) in enumerate(freedoms)])
+                self._spaces[freedoms] = units, durability_space(self.furniture, modes)
+            units, space = self._spaces[freedoms]
+            parts = np.array([design_direction.direction[p, f] for p, f in freedoms]) / units
+            hints = np.append(hints, predicted_ends(space, parts))
         return hints
 
     @cached_property

@@ -22,6 +22,9 @@ class Blocks {
     void clear() {
         for (Block& b : values_) b.setZero();
     }
+    // Keeps a copy of the matrix, and overwrites the matrix by it.
+    void keep() { kept_ = values_; }
+    void restore() { values_ = kept_; }
     Block& at(int i, int j) { return values_[slot_[i * n_ + j]]; }
 
     // Overwrites the matrix by its factors.
@@ -35,7 +38,7 @@ class Blocks {
     int n_ = 0;
     std::vector<int> order_, slot_;
     std::vector<std::vector<int>> later_;
-    std::vector<Block> values_, inverse_;
+    std::vector<Block> values_, inverse_, kept_;
 };
 
 }  // namespace restshape::planks

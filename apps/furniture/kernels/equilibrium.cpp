@@ -88,9 +88,14 @@ double Equilibrium::energy(const Shape<double>& shape, int load_case, const doub
     return sum;
 }
 
-void Equilibrium::stiffness(const Shape<double>& shape, Law law, const double* x, bool exact) {
-    blocks_.clear();
-    for (size_t k = 0; k < P.joints.size(); ++k) exact ? exact_joint(shape, k, x) : small_joint(shape, k);
+void Equilibrium::stiffness(const Shape<double>& shape, Law law, const double* x, bool exact, bool joints_known) {
+    if (joints_known && !exact) {
+        blocks_.restore();
+    } else {
+        blocks_.clear();
+        for (size_t k = 0; k < P.joints.size(); ++k) exact ? exact_joint(shape, k, x) : small_joint(shape, k);
+        if (!exact) blocks_.keep();
+    }
     add_ground(shape, law, x, exact, [this](int i, const Block& block) { blocks_.at(i, i) += block; });
     for (int i = 0; i < P.count(); ++i) blocks_.at(i, i).diagonal().array() += P.settings.shift * joint_t();
 }
@@ -119,7 +124,7 @@ int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::
         std::copy_backward(before, before + 3, before + 4), before[0] = norm;
         if (!fresh || norm > 0.1 * last) {
             exact = exact || (law == Law::bilateral && fresh);
-            stiffness(shape, law, x.data(), exact);
+            stiffness(shape, law, x.data(), exact, fresh);
             blocks_.factor();
             fresh = true;
         }

@@ -36,7 +36,8 @@ class Equilibrium {
     void set_case(int load_case) { load_case_ = load_case; }
 
     // The stiffness at x: exact by dual numbers, or that of small displacements, which differs by parts of d / L.
-    void stiffness(const Shape<double>& shape, Law law, const double* x, bool exact);
+    // joints_known: the last one that was not exact had these joints, which small displacements do not change.
+    void stiffness(const Shape<double>& shape, Law law, const double* x, bool exact, bool joints_known = false);
 
     // Hands over the exact stiffness of contacts, loads and what is held, one block a term.
     template <class Sink>

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 namespace restshape::planks {
 
@@ -32,7 +33,9 @@ struct Spread {
 }  // namespace
 
 ManySprings::ManySprings(Piece piece, std::vector<Springs> springs)
-    : model_(std::move(piece)), springs_(std::move(springs)) {}
+    : model_(std::move(piece)), springs_(std::move(springs)), order_(springs_.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+}
 
 ManySprings::Found ManySprings::test(const double* gamma, int ending) {
     Found found;
@@ -56,7 +59,8 @@ bool ManySprings::decide(const double* gamma, double spread) {
     // Springs of which one-sided contacts are not solved count only where no others are.
     Spread solved(joints()), sprung(joints());
     bool any_solved = false;
-    for (const Springs& springs : springs_) {
+    for (size_t k = 0; k < order_.size(); ++k) {
+        const Springs& springs = springs_[order_[k]];
         // What is found already can only be undone by a case without an equilibrium.
         if (solved.decides(spread)) {
             set(springs);
@@ -69,6 +73,7 @@ bool ManySprings::decide(const double* gamma, double spread) {
         if (check.flaws & unbalanced) return false;
         any_solved = any_solved || !check.sprung;
         (check.sprung ? sprung : solved).add(check, utilisations);
+        if (solved.decides(spread)) std::rotate(order_.begin(), order_.begin() + k, order_.begin() + k + 1);
     }
     return (any_solved ? solved : sprung).decides(spread);
 }
