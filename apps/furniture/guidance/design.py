@@ -129,7 +129,7 @@ class DesignDirection:
     subject: str = ""
     expected: tuple[float, ...] = ()
 
-    @property
+    @cached_property
     def unit(self) -> str:
         """The unit of the parameter, "m" or "rad"."""
         return amounts.unit_of(amounts.parameters(self.design.piece, self.direction)[0][1])

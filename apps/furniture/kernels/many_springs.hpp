@@ -35,7 +35,7 @@ class ManySprings {
  private:
     Furniture model_;
     std::vector<Springs> springs_;
-    std::vector<int> order_;  // in which springs are tried to decide: first those that did so last; no answer hangs on it
+    std::vector<int> order_;  // in which springs are tried to decide: first those that did so last
 
     // Equilibria of the shape that is held, found from rest, and what joints bear.
     void bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations);

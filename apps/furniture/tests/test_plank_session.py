@@ -300,3 +300,19 @@ def test_a_range_knows_of_narrow_gaps():
     dense = valid_ranges(design.furniture.kernel, way.direction, way.low, way.high, samples=4001).intervals
     assert len(dense) > 1
     np.testing.assert_allclose(found, dense, atol=1e-5)
+
+
+def test_ranges_do_not_depend_on_what_was_looked_at_before():
+    piece = PIECES["table"]()
+    leg = [plank.name for plank in piece.planks].index("leg-4")
+    used, ways = Design(piece), []
+    for along, up in ((0.8, 0.6), (0.6, 0.8)):
+        direction = np.zeros((len(piece.planks), 8))
+        direction[leg, [0, 2]] = along, up
+        ways.append(direction)
+        last = used.design_direction(direction, "leg-4: move")
+        used.valid_along(last)
+    first = Design(piece).design_direction(ways[-1], "leg-4: move")
+    np.testing.assert_array_equal(last.ranges.intervals, first.ranges.intervals)
+    np.testing.assert_array_equal(used.hints(last), first.design.hints(first))
+    assert len(used.hints(last)) and last.doubtful == first.doubtful
