@@ -54,5 +54,5 @@ def test_a_place_wants_three_numbers(tmp_path):
 
 def test_an_unknown_unit_lists_those_that_are_known(tmp_path):
     with pytest.raises(UserError) as caught:
-        load_scene(write_bench(tmp_path, BENCH.replace("20 kg", "20 lb")))
-    assert "lb" in caught.value.what and all(f" {unit}," in caught.value.do for unit in ("g", "ft", "psi"))
+        load_scene(write_bench(tmp_path, BENCH.replace("20 kg", "20 stone")))
+    assert "stone" in caught.value.what and all(f" {unit}," in caught.value.do for unit in ("g", "ft", "psi"))
