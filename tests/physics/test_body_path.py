@@ -83,3 +83,21 @@ def test_a_body_that_is_in_the_cloth_already_goes_on():
     assert BodyPath([old], [new], contact).farthest(0.0, x, np.zeros_like(x)) == 0.0
     reached = BodyPath([old], [new], contact, x).farthest(0.0, x, np.zeros_like(x))
     assert 0.55 * reached == pytest.approx(0.25 * 0.05, abs=2e-3)
+
+
+def test_a_half_space_gets_no_deeper_into_cloth_than_a_part_of_the_smallest_body():
+    contact, x = sheet(-1e-3)
+    pin = Body.model_validate({"sphere": {"center": (0, 0, 5.0), "radius": 2e-3}})
+    floors = [Body.model_validate({"plane": {"point": (0, 0, z), "normal": (0, 0, 1)}}) for z in (0.0, 0.5)]
+    path = BodyPath([pin, floors[0]], [pin, floors[1]], contact, x)
+    np.testing.assert_allclose(path.depths, [0.5e-3, 1.25e-3], rtol=1e-6)
+    assert 0.5 * path.farthest(0.0, x, np.zeros_like(x)) == pytest.approx(0.25e-3, abs=1e-4)
+
+
+@pytest.mark.parametrize(("there", "depth"), [(0.01, 0.0125), (0.04, 0.005)])
+def test_a_body_that_shrinks_gets_no_deeper_than_its_last_size(there, depth):
+    contact, x = sheet(0.0)
+    ways = [
+        Body.model_validate({"sphere": {"center": (0, 0, there - 0.1), "radius": radius}}) for radius in (0.1, 0.02)
+    ]
+    assert BodyPath(*([one] for one in ways), contact, x).depths == pytest.approx([depth], abs=5e-4)

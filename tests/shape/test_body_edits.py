@@ -165,10 +165,14 @@ def test_a_turn_that_changes_nothing_is_refused(tmp_path, on, about, refused):
     assert not refused or "a sphere that turns about its own vertical axis stays as it is" in frames[1].refused
 
 
-def test_a_body_may_turn_by_whole_turns(tmp_path):
-    frames = frames_of(tmp_path, {"do": "rotate", "on": "bar", "by": "720 deg", "frames": 4})
+@pytest.mark.parametrize(("on", "about"), [("bar", None), ("ball", [0, 0])])
+def test_a_body_may_turn_by_whole_turns(tmp_path, on, about):
+    turn = {"do": "rotate", "on": on, "by": "720 deg", "frames": 4, **({"about": about} if about else {})}
+    frames = frames_of(tmp_path, turn)
     assert not any(frame.refused for frame in frames)
-    np.testing.assert_allclose(form(frames[2], "bar").start, form(frames[0], "bar").start, atol=1e-15)
+    first, once = (form(frames[k], on) for k in (0, 2))
+    key = "start" if on == "bar" else "center"
+    np.testing.assert_allclose(getattr(once, key), getattr(first, key), atol=1e-15)
 
 
 @pytest.mark.parametrize("name", ["drum", "second"])
@@ -183,6 +187,14 @@ def test_a_turn_of_an_upright_post_is_refused(tmp_path):
     turn = {"do": "rotate", "on": "post", "by": "40 deg"}
     *_, last = EditSession(*scene_and_script(tmp_path, [turn], text)).frames()
     assert "a capsule that turns" in last.refused
+
+
+def test_a_turn_of_a_level_half_space_is_refused(tmp_path):
+    text = CLOTH + PIN + CONTACT + FLOOR.replace("normal = [1, 0, 1]", "normal = [0, 0, 1]")
+    *_, last = EditSession(
+        *scene_and_script(tmp_path, [{"do": "rotate", "on": "floor", "by": "40 deg"}], text)
+    ).frames()
+    assert "a plane that turns" in last.refused
 
 
 @pytest.mark.parametrize(

@@ -178,15 +178,15 @@ class BodyPath:
         remade = map(is_remade, before, after)
         self.depths = [TUCKED * (size if own else least) for size, own in zip(sizes, remade)]
         if x is not None:
-            for k, (old, depth) in enumerate(zip(before, self.depths)):
-                self.depths[k] = max(depth, self._deeper(old, x, depth))
+            for k, (old, size) in enumerate(zip(before, sizes)):
+                self.depths[k] = self._deeper(old, size if np.isfinite(size) else least, x, self.depths[k])
 
-    def _deeper(self, body: Body, x: np.ndarray, depth: float) -> float:
-        """How deep a body may get that is in cloth at x (n, 3) [m] already; others may as deep as they may."""
+    def _deeper(self, body: Body, size: float, x: np.ndarray, depth: float) -> float:
+        """How deep a body of a size [m] may get that is in cloth at x (n, 3) [m] already; others as deep as before."""
         if not np.isfinite(depth):
             return depth
         there = -kernel_body(body).lowest(x, self.contact.cells, ARRIVED * depth)[0]
-        return there + TUCKED * (size_of(body) - there) if depth < there < size_of(body) else depth
+        return there + TUCKED * (size - there) if depth < there < size else depth
 
     @property
     def moves(self) -> bool:
