@@ -5,6 +5,7 @@ import pytest
 from cloth_parameters import isotropic_bending, membrane_params
 from element_case import TRI3, ElementCase
 from sample_meshes import unit_box
+from scipy.linalg import solve_sylvester, sqrtm
 from scipy.spatial.transform import Rotation
 
 from restshape import _kernels as k
@@ -218,6 +219,29 @@ class TestStabilisedCorotatedMembrane(MembraneCase):
             assert values[0] > -1e-14 * values[-1]
             lowest.append(np.linalg.eigvalsh(true.tangent_block(self.X, x, self.p))[0])
         assert min(lowest) < -0.01
+
+    @pytest.mark.parametrize("stretched", [True, False])
+    def test_tangent_is_that_of_green_strains_and_of_the_tension(self, element, stretched):
+        """In closed form: Hooke's law of changes of the Green strain, and the positive part of S, S U + U S = 2 T."""
+        corners = np.column_stack([np.ones(3), self.X])
+        G, area = np.linalg.inv(corners)[1:].T, np.linalg.det(corners) / 2
+        for seed in range(10):
+            x = self.compressed(seed)
+            if stretched:
+                x = self.rest() @ (1.5 * TURN.T) + 0.1 * self.direction((3, 3), seed)
+            F = x.T @ G
+            U = sqrtm(F.T @ F).real
+            T = WOVEN @ [U[0, 0] - 1.0, U[1, 1] - 1.0, 2.0 * U[0, 1]]
+            values, axes = np.linalg.eigh(solve_sylvester(U, U, 2.0 * T[[0, 2, 2, 1]].reshape(2, 2)))
+            assert (values[0] > 0.05) if stretched else (values[0] < 0.0)
+            tension = (axes * np.maximum(values, 0.0)) @ axes.T
+            # Columns: the change of F^T F/2 with each of the nine positions.
+            changes = [F.T @ np.outer(axis, g) for g in G for axis in np.eye(3)]
+            B = np.array([[c[0, 0], c[1, 1], c[0, 1] + c[1, 0]] for c in changes]).T
+            expected = area * (B.T @ WOVEN @ B + np.kron(G @ tension @ G.T, np.eye(3)))
+            np.testing.assert_allclose(
+                element.tangent_block(self.X, x, self.p), expected, atol=1e-12 * np.abs(expected).max()
+            )
 
 
 class HingeCase(ClothCase):

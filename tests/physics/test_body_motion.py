@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.body_motion import moved_with, turn_of, turning_of
+from restshape.physics.cloth.body_motion import moved_with, turn_of, turned_share, turning_of
+from restshape.physics.cloth.body_path import between
 from restshape.scene.bodies import Body
 
 POINTS = np.random.default_rng(0).normal(size=(6, 3))
@@ -65,3 +66,21 @@ def test_a_body_turns_by_all_that_its_numbers_say():
     boxes = [{"box": {"center": [0, 0, 0], "half": [1, 1, 1], "rotate": [0, 0, angle]}} for angle in (0.0, 5.0)]
     assert turning_of(*map(Body.model_validate, boxes)) == pytest.approx(5.0)
     assert turning_of(capsule([0, 0, 0], [2, 0, 0]), capsule([0, 0, 0], [0, 3, 0])) == pytest.approx(np.pi / 2)
+
+
+@pytest.mark.parametrize("lengths", [(2.0, 2.0), (1.0, 3.0)])
+@pytest.mark.parametrize("kind", ["capsule", "cylinder", "box"])
+def test_a_body_turns_by_even_parts(kind, lengths):
+    """Ends of a capsule go straight: on even thirds of its way it would turn by 24, 74 and 53 of 150 degrees."""
+    angle = np.radians(150.0)
+    if kind == "box":
+        forms = [{"center": [0, 0, 0], "half": [1, 1, 1], "rotate": [0, 0, by]} for by in (0.0, angle)]
+    else:
+        ends = [[lengths[0], 0, 0], [lengths[1] * np.cos(angle), lengths[1] * np.sin(angle), 0]]
+        forms = [{"start": [0, 0, 0], "end": end, "radius": 0.1} for end in ends]
+    now, after = (Body.model_validate({kind: form}) for form in forms)
+    for parts in (3, 2, 1):
+        then = between(now, after, turned_share(now, after, parts))
+        assert turning_of(now, then) == pytest.approx(angle / 3)
+        now = then
+    assert now == after

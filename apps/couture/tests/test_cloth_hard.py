@@ -81,9 +81,9 @@ def test_coarse_meshes_do_not_let_limp_cloth_past_its_ball(tmp_path):
 def test_cloth_of_the_corotated_law_rests_after_an_edit(tmp_path):
     """A corner of the pattern is pulled: a tangent that was not definite in compression led up the energy."""
     pull = [{"do": "press", "on": "a", "at": [0, 0]}, {"do": "drag", "to": [-0.05, -0.05], "frames": 1}]
-    text = square(0.06, ball(0.15, 0.15), CONTACT)
+    text = square(0.04, ball(0.15, 0.15), CONTACT)
     _, rows = played(Trial(tmp_path), text, pull, overrides=['effects.cloth.membrane="corotated"'])
-    assert all(row["converged"] and row["tangent_positive_definite"] for row in rows)
+    assert all(row["converged"] == row["tangent_positive_definite"] == 1 for row in rows)
 
 
 def test_too_few_steps_are_reported(tmp_path):

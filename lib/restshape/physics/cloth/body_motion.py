@@ -88,6 +88,17 @@ def turning_of(before: Body, after: Body) -> float:
             return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
+def turned_share(before: Body, after: Body, parts: int) -> float:
+    """The share of its way on which a body turns by one of so many even parts of `turning_of`."""
+    if parts == 1 or before.kind not in ("capsule", "cylinder"):
+        return 1.0 / parts
+    whole = turning_of(before, after)
+    first, last = (float(np.linalg.norm(body_axes(body)[1][:, 0])) for body in (before, after))
+    # The tip of the axis goes straight: the law of sines, on both sides of where it is then.
+    gone, left = first * np.sin(whole / parts), last * np.sin(whole - whole / parts)
+    return float(gone / (gone + left))
+
+
 def _axes(axis: np.ndarray) -> np.ndarray:
     """Columns (3, 3) of length 1: along an axis, and two across it."""
     length = np.linalg.norm(axis)

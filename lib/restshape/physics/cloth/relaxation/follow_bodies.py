@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of, turning_of
+from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of, turned_share, turning_of
 from restshape.physics.cloth.body_path import BodyPath, goes_on
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact import FrictionHistory
@@ -52,7 +52,7 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
     x, share, parts, still, report = begin.copy(), 0.0, 1, 0, ConvergenceReport()
     now, doubts = before, set()
     while True:
-        part = 1.0 / turns_of(problem, now, state.bodies)
+        part = turned_part(problem, now, state.bodies)
         aim = 1.0 if part == 1.0 else share + part * (1.0 - share)
         # What goes so far in a part would go on as far.
         way = body_guess(problem, x, now, path.at(aim)) * problem.boundary.free / part + (1.0 - share) * pulled
@@ -111,10 +111,13 @@ def take_along(history: FrictionHistory, before: tuple[Body, ...], after: tuple[
     return replace(history, anchors=along(history.anchors), begin=begin)
 
 
-def turns_of(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body, ...]) -> int:
-    """In how many parts the body alone turns that the cloth goes with: it goes straight in each, and would shrink."""
+def turned_part(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body, ...]) -> float:
+    """The share of its way that the body which cloth goes with goes at once: the cloth would shrink about a turn."""
     number = _carrier(problem, before, after)
-    return 1 if number is None else max(1, math.ceil(turning_of(before[number], after[number]) / TURNED))
+    if number is None:
+        return 1.0
+    old, new = before[number], after[number]
+    return turned_share(old, new, max(1, math.ceil(turning_of(old, new) / TURNED)))
 
 
 def _carrier(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body, ...]) -> int | None:
