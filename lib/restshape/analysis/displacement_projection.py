@@ -7,11 +7,11 @@ from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import free, order_factor
 from restshape.analysis.new_mesh_samples import LINEAR_SLOPES, CellSamples
-from restshape.fem.elements import LINEAR_ELASTIC
+from restshape.fem.elements import LINEAR_ELASTIC, LINEAR_ELASTIC_DILATATION
 from restshape.fem.facets import SHAPES
 from restshape.fem.integral import Integral
+from restshape.fem.problem import REFERENCE
 from restshape.fem.semidiscrete import SemiDiscrete
-from restshape.fem.space import Space
 from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.transfer import Transfer, transfer
 
@@ -32,8 +32,11 @@ def project_displacement(
     """Displacements (n_new, 2) [m] on a new mesh whose strains are nearest to those of u, in the norm of the energy.
 
     Interpolation from mesh to mesh adds energy to waves as short as the cells, more each time, without bound. The
-    projection does not. Its stresses are those of small strains, also where strains are large; lambda counts 2 mu at
-    most, as strains of nearly incompressible elements are right on the mean of a cell alone.
+    projection does not, up to the quadrature of strains that jump within a new cell. Its stresses are those of small
+    strains, also where strains are large: there it is not for nearly incompressible bodies, which gain energy.
+
+    Where elements take the mean of the dilatation, this mean counts, with all of lambda. Of other elements lambda
+    counts 2 mu at most, as their dilatation is wrong where it is the stiffer part.
 
     Args:
         old, new: on the mesh before and on the new one.
@@ -49,14 +52,20 @@ def project_displacement(
     if moduli is None:
         return start
     lame, shear, thickness = np.broadcast_to(moduli, (len(space.cells), 3)).T
-    lame = np.minimum(lame, 2.0 * shear)
+    shape = SHAPES[space.cells.shape[1]][0]
+    (own,) = new.problem.integrals(REFERENCE)
+    averaged = own.element.family == LINEAR_ELASTIC_DILATATION.name
+    element = (LINEAR_ELASTIC_DILATATION if averaged else LINEAR_ELASTIC)[shape]
+    if not averaged:
+        lame = np.minimum(lame, 2.0 * shear)
     params = np.column_stack([lame, shear, thickness, np.zeros((len(lame), 2))])
-    forces = _forces(samples or CellSamples(old.problem.space, space), u, start, params)
-    return start + _solved(space, new.constrained, params, forces)
+    forces = _forces(samples or CellSamples(old.problem.space, space), u, start, params, averaged)
+    more = _solved(Integral(element, space.X, space.cells, params), new.constrained, forces)
+    return start + more if np.isfinite(more).all() else start
 
 
-def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.ndarray) -> np.ndarray:
-    """Nodal forces (n, 2) [N] of the strains that `start` lacks beside u."""
+def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.ndarray, averaged: bool) -> np.ndarray:
+    """Nodal forces (n, 2) [N] of the strains that `start` lacks beside u; `averaged`: of means of the dilatation."""
     old, new, weights, slopes = samples.old, samples.new, samples.weights, samples.slopes
     there = _found_gradients(samples.found, np.concatenate([old.X, u], axis=1))
     there = there.reshape(len(weights), len(new.cells), 2, 2)
@@ -69,7 +78,11 @@ def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.n
     lacking = there - here
     lame, shear, thickness = params[:, :3].T
     work = 0.5 * weights[:, None] * area * thickness
-    pressure = lame * (lacking[..., 0, 0] + lacking[..., 1, 1])
+    dilatation = np.trace(lacking, axis1=-2, axis2=-1)
+    if averaged:
+        dilatation = _mean(_mean_dilatation(samples, u)[samples.found.cells].reshape(area.shape), weights, area)
+        dilatation -= _mean(np.trace(here, axis1=-2, axis2=-1), weights, area)
+    pressure = lame * dilatation
     xx, yy = (work * (pressure + 2.0 * shear * lacking[..., a, a]) for a in (0, 1))
     xy = work * shear * (lacking[..., 0, 1] + lacking[..., 1, 0])
     # Of both components along both directions of the cell.
@@ -78,6 +91,19 @@ def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.n
     rows = np.stack(shares, axis=1).reshape(2 * len(weights), -1)
     columns = slopes.transpose(1, 0, 2).reshape(new.cells.shape[1], -1)
     return samples.nodal_sums((columns @ rows).reshape(len(columns), -1, 2))
+
+
+def _mean_dilatation(samples: CellSamples, u: np.ndarray) -> np.ndarray:
+    """Means (ne_old,) of the dilatation of u over the cells of the mesh before."""
+    old = samples.old
+    own = CellSamples(old, old)
+    gradients, (_, area) = _gradients(own.along(np.concatenate([old.X, u], axis=1)).transpose(0, 2, 1, 3))
+    return _mean(np.trace(gradients, axis1=-2, axis2=-1), own.weights, area)
+
+
+def _mean(values: np.ndarray, weights: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Means (ne,) over cells, of values (q, ne) at points of these weights (q,) and areas (q, ne)."""
+    return (weights @ (values * area)) / (weights @ area)
 
 
 def _gradients(along: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
@@ -113,13 +139,12 @@ def _found_gradients(found: Transfer, field: np.ndarray) -> np.ndarray:
     return _gradients(out)[0]
 
 
-def _solved(space: Space, constrained: np.ndarray, params: np.ndarray, forces: np.ndarray) -> np.ndarray:
-    """Displacements (n, 2) of forces (n, 2) [N], 0 where constrained."""
+def _solved(stiffness: Integral, constrained: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """Displacements (n, 2) of forces (n, 2) [N], 0 where constrained; not numbers where there are none."""
     right, found = np.where(constrained, 0.0, forces), np.zeros_like(forces)
-    operator = Operator(PETSc.COMM_SELF, 2, np.array([0, len(space.X)], dtype=np.int32))
-    operator.set_topology([space.cells], constrained.astype(np.uint8))
-    element = LINEAR_ELASTIC[SHAPES[space.cells.shape[1]][0]]
-    matrix = operator.assemble([Integral(element, space.X, space.cells, params).term(found)], None)
+    operator = Operator(PETSc.COMM_SELF, 2, np.array([0, len(forces)], dtype=np.int32))
+    operator.set_topology([stiffness.entities], constrained.astype(np.uint8))
+    matrix = operator.assemble([stiffness.term(found)], None)
     b, x = (PETSc.Vec().createWithArray(one, comm=PETSc.COMM_SELF) for one in (right, found))
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)
     ksp.setType("cg")
@@ -134,5 +159,9 @@ def _solved(space: Space, constrained: np.ndarray, params: np.ndarray, forces: n
     ksp.setTolerances(rtol=NEAR, atol=0.0, max_it=MOST)
     ksp.setOperators(matrix)
     ksp.solve(b, x)
+    # What the most iterations have reached is nearer than nothing; what broke down is not known to be.
+    reason = ksp.getConvergedReason()
+    if reason < 0 and reason != PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT:
+        found.fill(np.nan)
     free(ksp, b, x)
     return found
