@@ -12,6 +12,7 @@ from restshape.algebra.shared_solves import set_shared_factor
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
 
 WORLD = PETSc.COMM_WORLD
 SHIFT = 30.0
@@ -126,6 +127,15 @@ def chosen() -> dict[str, object]:
         mat.mult(x, rest)
         rest.axpy(-1.0, b)
         taken.append((report.iterations, report.refreshed, rest.norm() / b.norm()))
+    loose = whole.copy()
+    loose[:2], loose[:, :2] = 0.0, 0.0
+    try:
+        solver.solve(shared(loose, 2), b, x, new_system=True)
+        why = ""
+    except ReplayProblem as problem:
+        why = str(problem)
+    x.set(0.0)
+    taken.append((solver.solve(mat, b, x, new_system=True).iterations, why, 0.0))
     name, negative = solver.name, solver.negative_pivots()
     definite = [solver.definite(shared(part * whole, 2), None) for part in (1.0, -1.0)]
     return {"name": name, "taken": taken, "negative": negative, "definite": definite}

@@ -47,8 +47,10 @@ def test_ranks_choose_a_factor_that_they_share_and_keep_it(found):
     """Its first solve takes one application, as that of one rank does; an old factor iterates, to the tolerance."""
     chosen = found["chosen"]
     assert chosen["name"] == "cholesky, shared" and chosen["negative"] == 0
-    (first, made, exact), (again, kept, old), (other, stale, left) = chosen["taken"]
+    (first, made, exact), (again, kept, old), (other, stale, left), (after, why, _) = chosen["taken"]
     assert first == 1 and made and exact < 1e-10
     assert again <= 2 and not kept and old < 1e-8
     assert 1 <= other < 8 and not stale and left < 1e-8
     assert chosen["definite"] == [True, False]
+    # A node that nothing holds is told at once, and the next system has its factor again.
+    assert "has no factor" in why and after == 1

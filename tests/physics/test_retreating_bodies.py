@@ -51,7 +51,7 @@ def test_a_curtain_too_long_for_its_floor_lies_on_it_without_crossing_itself(tmp
     row = replay.analysis.row()
     assert row["converged"] and row["tangent_positive_definite"] == 1
     assert row["crossings"] == 0 and row["max_strain"] < 0.05 and row["max_penetration"] < 1e-3 and not row["untrusted"]
-    assert "bodies begin outside it and come to their places" in replay.row["note"]
+    assert "bodies.floor: it goes back at first, and comes to its place again" in replay.row["note"]
 
 
 @pytest.mark.parametrize(

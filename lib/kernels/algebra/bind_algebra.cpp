@@ -55,11 +55,14 @@ void border_complement(intptr_t factor, Reals out) {
 using Half = PetscErrorCode (*)(Mat, const double*, double*);
 
 // A half of a solution with unknowns that a factor keeps.
-void half_solution(intptr_t handle, Half half, py::array_t<double, py::array::c_style> from, Reals to) {
+void half_solution(intptr_t handle, Half half, py::array_t<double, py::array::c_style> from, Reals to, bool forward) {
     Mat factor = reinterpret_cast<Mat>(handle);
-    PetscInt n = 0;
+    PetscInt n = 0, border = 0;
     check(MatGetSize(factor, &n, nullptr), "MatGetSize");
-    if (from.ndim() != 1 || to.ndim() != 1 || from.size() + to.size() != n)
+    check(restshape::kept_border(factor, &border), "kept_border");
+    const py::ssize_t inside = n - border;
+    if (from.ndim() != 1 || to.ndim() != 1 || from.size() != (forward ? inside : border) ||
+        to.size() != (forward ? border : inside))
         throw std::invalid_argument("what is inside and on the border are all unknowns of the factor");
     check(half(factor, from.data(), to.mutable_data()), "a half of a solution");
 }
@@ -74,18 +77,18 @@ void bind_algebra(py::module_& m) {
         "Make PETSc know the solver type NODE_BLOCKS: complete Cholesky factors in blocks of one node.");
     m.def(
         "keep_border",
-        [](intptr_t factor, PetscInt unknowns) {
-            restshape::check(restshape::keep_border(reinterpret_cast<Mat>(factor), unknowns), "keep_border");
+        [](intptr_t factor, PetscInt unknowns, PetscInt fields) {
+            restshape::check(restshape::keep_border(reinterpret_cast<Mat>(factor), unknowns, fields), "keep_border");
         },
-        py::arg("factor"), py::arg("unknowns"),
-        "Have the factor with this handle, of NODE_BLOCKS and not made yet, keep the last unknowns, whole nodes: they "
-        "are no pivots, and 0 in solutions.");
+        py::arg("factor"), py::arg("unknowns"), py::arg("fields"),
+        "Have the factor with this handle, of NODE_BLOCKS and not made yet, keep the last unknowns, whole nodes of so "
+        "many fields: they are no pivots, and 0 in solutions.");
     m.def("border_complement", &border_complement, py::arg("factor"), py::arg("out").noconvert(),
           "Writes the Schur complement (k, k) of the unknowns that a factor with this handle keeps; see keep_border.");
     m.def(
         "eliminate_inside",
         [](intptr_t factor, py::array_t<double, py::array::c_style> inside, Reals border) {
-            half_solution(factor, restshape::eliminate_inside, inside, border);
+            half_solution(factor, restshape::eliminate_inside, inside, border, true);
         },
         py::arg("factor"), py::arg("inside").noconvert(), py::arg("border").noconvert(),
         "Writes what the equations of the unknowns that a factor with this handle keeps (k,) have on their right once "
@@ -93,7 +96,7 @@ void bind_algebra(py::module_& m) {
     m.def(
         "complete_inside",
         [](intptr_t factor, py::array_t<double, py::array::c_style> border, Reals inside) {
-            half_solution(factor, restshape::complete_inside, border, inside);
+            half_solution(factor, restshape::complete_inside, border, inside, false);
         },
         py::arg("factor"), py::arg("border").noconvert(), py::arg("inside").noconvert(),
         "Writes the inside's unknowns (n - k,) after eliminate_inside, from those (k,) that the factor keeps.");

@@ -32,6 +32,7 @@ struct NodeCholesky {
     BlockFactor<3> triples;
     PetscInt zero = 0;               // blocks without an inverse, each counted once
     PetscInt border = 0;             // the last unknowns, which are no pivots
+    PetscInt fields = 0;             // unknowns a node where they are given; else the pattern shows them
     std::vector<double> complement;  // of them, by rows
     PetscInt pivots() const { return static_cast<PetscInt>(blocks.order.size()) - border / blocks.size; }
 };
@@ -77,7 +78,7 @@ PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) 
     PetscFunctionBegin;
     PetscCall(release(c));
     PetscCall(with_pattern(A, [&](const Pattern& a) {
-        const PetscInt size = block_size(a);
+        const PetscInt size = block_size(a, c->fields);
         PetscCheck(c->border == 0 || (size > 1 && c->border % size == 0), PETSC_COMM_SELF, PETSC_ERR_SUP,
                    "node_blocks keeps whole nodes of two or three unknowns");
         return make_blocks(a, size, &u, c->border / size, by);
@@ -391,10 +392,18 @@ PetscErrorCode get_factor(Mat A, MatFactorType type, Mat* F) {
 
 Mat factor_in_blocks(Mat factor) { return factor->ops->destroy == destroy ? of(factor)->factor : nullptr; }
 
-PetscErrorCode keep_border(Mat factor, PetscInt unknowns) {
+PetscErrorCode keep_border(Mat factor, PetscInt unknowns, PetscInt fields) {
     PetscFunctionBegin;
     PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     of(factor)->border = unknowns;
+    of(factor)->fields = fields;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode kept_border(Mat factor, PetscInt* unknowns) {
+    PetscFunctionBegin;
+    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    *unknowns = of(factor)->border;
     PetscFunctionReturn(0);
 }
 

@@ -15,8 +15,9 @@ PetscErrorCode register_node_cholesky();
 Mat factor_in_blocks(Mat factor);
 
 // Has a factor of this type, not made yet, keep the last unknowns, whole nodes of them: they are no pivots. Solutions
-// are then those with these unknowns 0.
-PetscErrorCode keep_border(Mat factor, PetscInt unknowns);
+// are then those with these unknowns 0. A node has so many unknowns (`fields`), which small patterns do not show.
+PetscErrorCode keep_border(Mat factor, PetscInt unknowns, PetscInt fields);
+PetscErrorCode kept_border(Mat factor, PetscInt* unknowns);
 
 // The Schur complement of what a factor keeps, by rows.
 PetscErrorCode border_complement(Mat factor, double* complement);

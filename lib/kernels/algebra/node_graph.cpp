@@ -147,8 +147,9 @@ void lay_out(const std::vector<PetscInt>& starts, const std::vector<PetscInt>& c
 
 }  // namespace
 
-PetscInt block_size(const Pattern& a) {
+PetscInt block_size(const Pattern& a, PetscInt fields) {
     if (a.rows == 0) return 1;
+    if (fields) return in_blocks(a, fields) ? fields : 1;
     for (PetscInt b : {3, 2})
         if (in_blocks(a, b)) return b;
     return 1;

@@ -22,8 +22,9 @@ struct UpperBlocks {
     std::vector<PetscInt> length;           // of each block row, values from one row of A to the next
 };
 
-// The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of them.
-PetscInt block_size(const Pattern& a);
+// The most unknowns a node, 3, 2 or 1, for which all rows of a node have the same columns, whole nodes of
+// them; of `fields`, where they are given, or 1.
+PetscInt block_size(const Pattern& a, PetscInt fields = 0);
 
 // Approximate minimum degree, which is quick, or nested dissection, whose factors take fewer products on large sheets.
 enum class Elimination { minimum_degree, dissection };

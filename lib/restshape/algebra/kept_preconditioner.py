@@ -82,7 +82,8 @@ class KeptPreconditioner:
         self._shared: SharedSolves | None = None
         if method == "ilu" and named is None:
             self._take(THESIS_FLOW if self.may_exchange else ILU)
-        else:
+        elif not self.chooses:
+            # What is chosen sets itself up; options of one that is never made would name the next one's kind.
             self._set(ILU.levels)
 
     @property
@@ -255,6 +256,11 @@ class KeptPreconditioner:
                 _kernels.solve_by_panels(part.getFactorMatrix().handle, iterates and self.single)
 
     @property
+    def shared(self) -> bool:
+        """Whether it is a complete factor that ranks share."""
+        return self._shared is not None
+
+    @property
     def by_panels(self) -> bool:
         """Whether a complete factor on one rank substitutes by panels already."""
         known = self.kind == "cholesky" and self.ranks == 1 and self.ready
@@ -336,6 +342,11 @@ class KeptPreconditioner:
             return self._exchange()
         if not self.chooses or self.candidate is None or (self.candidate.kind == "cholesky" and not self._shared):
             return False
+        if self._shared:
+            if self._shared.singular:
+                return False
+            # Its border may have been too large on this mesh alone.
+            self._without_pivots.add(self.candidate.name)
         self.choice.exclude(self.candidate)
         left = self.choice.open(self.size)
         if left[0] is self.candidate or left[0].name in self.choice.excluded:
@@ -374,7 +385,7 @@ class KeptPreconditioner:
         return True
 
     def negative_pivots(self) -> int:
-        """Negative pivots of a complete factor, of all ranks' own blocks; 0 where there is none to ask.
+        """Negative pivots of a complete factor, shared or of all ranks' own blocks; 0 where there is none to ask.
 
         Nor are factors of indefinite systems asked: negative pivots are in their nature, and say nothing of stability.
         """
@@ -407,7 +418,9 @@ class KeptPreconditioner:
         return definite_on_ranks(mat)
 
     def has_no_factor(self) -> bool:
-        """Whether a factor that exchanges rows came to no end: of a matrix that stays PETSc (3.18) forgets it."""
+        """Whether a factor of all ranks, or one that exchanges rows, came to no end: PETSc (3.18) forgets it."""
+        if self._shared:
+            return self._shared.singular
         if not self.exchanges:
             return False
         return self._summed(sum(part.getFactorMatrix().getMumpsInfog(1) < 0 for part in factors_of(self.ksp))) > 0

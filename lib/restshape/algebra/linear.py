@@ -79,8 +79,8 @@ class LinearSolver:
         on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
         on_solved: called with the report of each solve; with None where a factor was made that no solve asked for.
 
-    On several ranks the factors are those of the ranks' own rows (block Jacobi), so that the bits repeat. That of
-    symmetric matrices that are not definite is of the whole matrix: their blocks may have none.
+    On several ranks factors are those of the ranks' own rows (block Jacobi), or one that they share, so that the bits
+    repeat. That of symmetric matrices that are not definite is of the whole matrix: their blocks may have none.
     An idle frame solves nothing and refreshes nothing, for a frame with nothing to do does nothing.
 
     Source: docs/theory/levels-of-reuse.md (rent or buy).
@@ -294,7 +294,8 @@ class LinearSolver:
         Of a matrix that is not symmetric, the negative pivots of an elimination without exchanges: as many if it is
         nearly symmetric, and an odd number where its determinant is negative.
 
-        On several ranks, those of the ranks' own blocks: none of them has any where the matrix is positive definite.
+        On several ranks, those of the factor that they share, or of their own blocks: none of them has any where the
+        matrix is positive definite.
         """
         return self.kept.negative_pivots()
 

@@ -23,13 +23,14 @@ class BorderedFactor:
 
     Args:
         border: last unknowns, whole nodes, that it keeps: they are no pivots, and are 0 in solutions.
+        fields: unknowns of a node, where there is a border.
 
     Attributes:
         negative: pivots; singular: whether one is zero; nonzeros: of the factor.
     """
 
-    def __init__(self, border: int = 0) -> None:
-        self.border = border
+    def __init__(self, border: int = 0, fields: int = 0) -> None:
+        self.border, self.fields = border, fields
         self.negative, self.singular, self.nonzeros = 0, False, 0.0
         self._matrix: PETSc.Mat = None
         self._pc: PETSc.PC = None
@@ -44,7 +45,7 @@ class BorderedFactor:
             order_factor(self._pc)
             self._pc.setOperators(self._matrix)
             self._pc.setFactorSetUpSolverType()
-            _kernels.keep_border(self._pc.getFactorMatrix().handle, self.border)
+            _kernels.keep_border(self._pc.getFactorMatrix().handle, self.border, self.fields)
         else:
             self._matrix.setValuesCSR(*csr)
             self._matrix.assemble()
@@ -104,7 +105,7 @@ class NodeInterior:
     def __init__(self, count: int, border: int, nodes: int) -> None:
         self.count, self.border, self.nodes = count, border, nodes
         self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
-        self.factor = BorderedFactor(border)
+        self.factor = BorderedFactor(border, nodes)
         self._whole: sp.csr_matrix | None = None
 
     def make(self, local: sp.csr_matrix) -> Reals:

@@ -4,7 +4,7 @@ import logging
 
 from petsc4py import PETSc
 
-from restshape.algebra.shared_factor import SharedFactor
+from restshape.algebra.shared_factor import NO_FACTOR, SharedFactor
 from restshape.errors import ReplayProblem
 
 log = logging.getLogger("restshape.algebra")
@@ -19,7 +19,7 @@ class SharedSolves:
         nodes: unknowns of a node.
 
     Attributes:
-        negative: pivots of all ranks; singular: there is no factor.
+        negative: pivots of all ranks; singular: the matrix has no factor, however large one may be.
     """
 
     def __init__(self, nodes: int) -> None:
@@ -46,9 +46,9 @@ class SharedSolves:
         try:
             self.negative, self.singular = self._factor.make(matrix, matrix, 0.0), False
         except ReplayProblem as problem:
-            log.warning("%s", problem)
+            self.negative, self.singular = 0, str(problem) == NO_FACTOR
+            log.log(logging.INFO if self.singular else logging.WARNING, "%s", problem)
             self._factor.forget()
-            self.negative, self.singular = 0, True
 
     def apply(self, pc: PETSc.PC, b: PETSc.Vec, x: PETSc.Vec) -> None:
         """Set x to the solution with right side b."""

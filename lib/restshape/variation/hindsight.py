@@ -6,6 +6,7 @@ from typing import Self, TypedDict
 
 from petsc4py import PETSc
 
+from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.krylov_method import set_krylov, solve_from
 from restshape.algebra.linear import MOST_ITERATIONS, LinearSolver
 from restshape.algebra.linear_report import LinearReport
@@ -88,6 +89,7 @@ class Manner:
         kind, levels, blocks, exchanges: as `set_preconditioner` has them; krylov: PETSc's type of the iteration.
         applies: it is a complete Cholesky factor, which is applied to its own matrix, without an iteration.
         price: of it; product: seconds of a product with the matrix.
+        shared: ranks share it.
     """
 
     name: str
@@ -99,6 +101,7 @@ class Manner:
     applies: bool
     price: Prices
     product: float
+    shared: bool
 
     @classmethod
     def of(cls, solver: LinearSolver) -> Self:
@@ -107,7 +110,8 @@ class Manner:
         levels, krylov = (kept.candidate.levels, kept.candidate.krylov) if kept.candidate else (0, "")
         krylov = krylov or solver.traits.krylov
         applies, price = kept.exact and kept.kind == "cholesky", kept.price()
-        return cls(kept.name, kept.kind, levels, kept.blocks, kept.exchanges, krylov, applies, price, price.product)
+        ways = kept.kind, levels, kept.blocks, kept.exchanges, krylov
+        return cls(kept.name, *ways, applies, price, price.product, kept.shared)
 
     def seconds(self, iterations: float, applied: float) -> float:
         """Of iterations, among them applications of a factor to its own matrix."""
@@ -278,7 +282,13 @@ def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc
     ksp.setTolerances(divtol=1e30, max_it=MOST_ITERATIONS)
     shifts = traits.symmetric or traits.definite
     with_rows = (solver.kept.overlap, traits.symmetric)
-    given = set_preconditioner(ksp, manner.kind, manner.levels, manner.exchanges, manner.blocks, shifts, *with_rows)
+    if manner.shared:
+        from restshape.algebra.shared_solves import set_shared_factor
+
+        set_shared_factor(destroyed_at_exit(ksp), traits.fields or traits.dimension)
+        given = []
+    else:
+        given = set_preconditioner(ksp, manner.kind, manner.levels, manner.exchanges, manner.blocks, shifts, *with_rows)
     ksp.setOperators(matrix)
     ksp.setUp()
     if solver.comm.size > 1:

@@ -19,7 +19,7 @@ from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
 
-RETREATED = "bodies begin outside it and come to their places, for the nearest way out would fold it through itself"
+RETREATED = "it goes back at first, and comes to its place again: the nearest way out would fold the cloth over"
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def beginning(problem: ClothProblem, arguments: ClothArguments, retreating: bool
     movable, doubts = ~arguments.supports.mask.any(axis=1), []
     if contact := problem.contact:
         out = brought_out(contact.bodies, placed, problem.mesh.cells, movable, contact.thickness)
-        if retreating and (retreat := retreats(problem, placed, out)) is not None:
+        if retreating and (retreat := retreats(problem, arguments.forms, placed, out)) is not None:
             return Beginning(x, placed, placed, placed, movable, retreat)
         if count := int((movable & still_inside(contact.bodies, out, contact.thickness)).sum()):
             doubts.append(f"{_nodes(count)} still inside bodies: no way out was found")

@@ -70,7 +70,7 @@ def bind(
     log.info("Relaxation from %s", "the initial placement" if cold and not origin else "the last positions")
     problem, notes = state.problem, ()
     if cold:
-        begun = beginning(problem, arguments, options.strategy == "auto")
+        begun = beginning(problem, arguments, options.strategy == "auto" and not origin)
         state, notes = replace(state, x=begun.x), tuple(start_notes(problem, begun, scene))
         notes += tuple(problem.seams.ease_notes()) if problem.seams else ()
     state.solver.set_tolerance(options.settings.tolerance)
@@ -93,7 +93,7 @@ def bind(
     acts = problem.begin(state.x)
     if apart and not (acts or cold or origin):
         # Contact cannot undo what a new mesh, or a support, has brought across.
-        state, cold = _dropped_again(state, arguments, known, before.energy), True
+        state, cold = _dropped_again(state, arguments, known, before.energy, options.strategy == "auto"), True
         acts = problem.begin(state.x)
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
@@ -161,19 +161,20 @@ def _from_origin(state: RelaxationState, origin: RelaxationState) -> RelaxationS
 
 
 def _dropped_again(
-    state: RelaxationState, arguments: ClothArguments, known: np.ndarray, energy: float
+    state: RelaxationState, arguments: ClothArguments, known: np.ndarray, energy: float, retreating: bool
 ) -> RelaxationState:
     """The state at the initial placement, which is not to be trusted to lie as the edit would have had it.
 
     Args:
         known: (n, 3) the last positions, from which the cloth has jumped; energy: of the cloth there [J].
+        retreating: half-spaces may retreat, see `retreats`.
     """
     problem = state.problem
     log.info("Relaxation from the initial placement after all: the last positions cross themselves")
     hand = farthest(problem, problem.constrain(known) - known)
     expected = state.expected or Expected(known, hand, 0.0, energy, energy)
     expected = replace(expected, energy=expected.work, derive=None, dropped=True)
-    doubts, x = (*state.doubts, AGAIN), beginning(problem, arguments).x
+    doubts, x = (*state.doubts, AGAIN), beginning(problem, arguments, retreating).x
     problem.end_frame(x)
     return replace(state, x=x, doubts=doubts, expected=expected)
 

@@ -1,4 +1,4 @@
-"""Bodies that have left cloth at its cold start come back to their places, and the cloth makes way for them."""
+"""Half-spaces that have left cloth at its cold start come back to their places, and the cloth makes way for them."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ def come_back(
     length = float(np.linalg.norm(np.diff(edges.X[edges.edge_nodes], axis=1), axis=2).mean())
     parts = min(MOST_PARTS, math.ceil(float(np.linalg.norm(retreat, axis=1).max()) / length))
     last = None
-    for part in range(parts + 1):
-        left = 1.0 - part / parts
-        now = tuple(shifted(body, left * way) for body, way in zip(forms, retreat)) if left else forms
-        contact.history = take_along(contact.history, last or now, now)
-        contact.bodies, last = [kernel_body(body) for body in now], now
-        solver.descend(x, ROUGH, min(most, (ROUNDS if left else LAST_ROUNDS) * MEMORY), report)
-        if report.falls:
-            break
-    contact.bodies = [kernel_body(body) for body in forms]
+    try:
+        for part in range(parts + 1):
+            left = 1.0 - part / parts
+            now = tuple(shifted(body, left * way) for body, way in zip(forms, retreat)) if left else forms
+            contact.history = take_along(contact.history, last or now, now)
+            contact.bodies, last = [kernel_body(body) for body in now], now
+            solver.descend(x, ROUGH, min(most, (ROUNDS if left else LAST_ROUNDS) * MEMORY), report)
+    finally:
+        contact.bodies = [kernel_body(body) for body in forms]
     log.info("Bodies came to their places in %d parts, %d steps", parts, report.steps)
