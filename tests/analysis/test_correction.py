@@ -105,6 +105,15 @@ def test_steps_that_are_not_enough_give_no_number():
     assert np.isnan(largest_values(np.full((3, 3), np.nan), np.eye(3), 2)).tolist() == [True, True]
 
 
+def test_the_last_step_without_a_delay_is_no_step_uphill():
+    """A preconditioner that is not definite may give a negative weight, which is small as well."""
+    values, signs = np.array([1.0, 4.0]), np.array([1.0, -0.25])
+    found = conjugate_steps(lambda d: values * d, lambda r: signs * r, np.array([1.0, 0.1]), delay=0)
+    first = np.array([1.0, -0.025])
+    weight, stiffness = 1.0 - 0.0025, 1.0 + 4.0 * 0.025**2
+    np.testing.assert_allclose(found, weight / stiffness * first)
+
+
 def test_ranks_take_the_steps_of_their_own_rows():
     """Of operations whose rows ranks share: the same solution, whole on each rank, and no whole array on the way."""
     rng = np.random.default_rng(3)

@@ -7,6 +7,7 @@ from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL, meshed, write_script
 
 from restshape.cli.main import main
 from restshape.errors import UserError
+from restshape.export import toml_scene
 from restshape.export.toml_scene import write_toml
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
@@ -121,3 +122,14 @@ def test_a_shape_that_has_grown_too_large_for_its_gaps_is_noted(tmp_path, capsys
         assert capsys.readouterr().out.count("a scene of this shape is refused") == noted
         assert main(["check", saved[-1]]) == 2 * noted
         capsys.readouterr()
+
+
+@pytest.mark.parametrize("what, noted", [("edge a would collapse: shorter than 1 m", True), ("hole h is odd", False)])
+def test_a_refusal_is_put_down_to_the_size_where_it_is_one_of_distances(tmp_path, monkeypatch, what, noted):
+    def refuse(scene):
+        raise UserError(what, "shape", "mend it")
+
+    monkeypatch.setattr(toml_scene, "outline_of", refuse)
+    (note,) = write_toml(edited(tmp_path), tmp_path / "out.toml")
+    why = f", for distances are measured by its size now: {what}" if noted else f": {what}; mend it"
+    assert note == f"a scene of this shape is refused{why}"

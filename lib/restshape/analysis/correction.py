@@ -120,7 +120,7 @@ class _Steps:
                 break
             z = self.precondition(residual)
             weight, last = self._dot(residual, z), weight
-            if not delay and weight <= small:
+            if not delay and 0.0 <= weight <= small:
                 found += z
                 break
             step = z + weight / last * step

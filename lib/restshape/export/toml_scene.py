@@ -52,7 +52,10 @@ def write_toml(frame: EditedFrame, path: Path) -> list[str]:
         outline_of(again)
     except UserError as error:
         # What may be close is a share of the size that a shape begins with, and edits may have made it larger.
-        notes.append(f"a scene of this shape is refused, for distances are measured by its size now: {error.what}")
+        near = any(words in error.what for words in ("closer than", "shorter than"))
+        why = ", for distances are measured by its size now" if near else ""
+        do = f"; {error.do}" if error.do and not near else ""
+        notes.append(f"a scene of this shape is refused{why}: {error.what}{do}")
     return notes
 
 

@@ -12,6 +12,8 @@ from restshape.scene.expressions import Value
 
 AGREES = 1e-9
 """Relative difference below which two values prescribed at one node are the same."""
+ROUNDING = 1e-12
+"""Share of the largest prescribed value by which they may differ besides: formulas of the place give almost 0 for 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,15 +113,19 @@ class Dirichlet:
     def _evaluate_together(self, X: np.ndarray) -> None:
         """Set `values` where conditions have nodes in common."""
         given = np.full_like(self.values, np.nan)
-        for condition in self.conditions:
+        found = [Nodal(one.value, self.parameters, one.where)(X[one.nodes]) for one in self.conditions]
+        rounding = ROUNDING * max(np.abs(values).max(initial=0.0) for values in found)
+        for condition, values in zip(self.conditions, found):
             nodes, column = condition.nodes, condition.component
-            values = Nodal(condition.value, self.parameters, condition.where)(X[nodes])
-            self._check_agreement(condition, values, given[nodes, column], X)
+            self._check_agreement(condition, values, given[nodes, column], X, rounding)
             given[nodes, column] = values
         np.copyto(self.values, np.nan_to_num(given))
 
-    def _check_agreement(self, condition: Prescribed, values: np.ndarray, before: np.ndarray, X: np.ndarray) -> None:
-        clash = np.flatnonzero(np.abs(values - before) > AGREES * np.maximum(np.abs(values), np.abs(before)))
+    def _check_agreement(
+        self, condition: Prescribed, values: np.ndarray, before: np.ndarray, X: np.ndarray, rounding: float
+    ) -> None:
+        largest = np.maximum(np.abs(values), np.abs(before))
+        clash = np.flatnonzero(np.abs(values - before) > AGREES * largest + rounding)
         if not len(clash):
             return
         first = clash[0]
