@@ -133,10 +133,11 @@ def test_a_motion_through_many_meshes_keeps_its_energy(tmp_path):
     assert np.abs(remeshed_energy(tmp_path, 10)).max() < 0.01
 
 
-def test_a_nearly_incompressible_motion_through_new_meshes_gains_no_energy(tmp_path):
-    """With lambda of 2 mu it gained 29.8 J to 5.5; it loses 2 % instead."""
-    shares = remeshed_energy(tmp_path, 3, RUBBER)
-    assert shares.max() < 0.001
+@pytest.mark.parametrize("element", ["mean_dilatation", "displacement"])
+def test_a_nearly_incompressible_motion_through_new_meshes_gains_no_energy(tmp_path, element):
+    """With lambda of 2 mu it gained 29.8 J to 5.5, or 0.8 J; it loses 2 % at most instead."""
+    shares = remeshed_energy(tmp_path, 3, RUBBER, [f'effects.solid.element="{element}"', "mesh.order=2"])
+    assert shares.max() < 0.0015
     assert shares.min() > -0.05
 
 

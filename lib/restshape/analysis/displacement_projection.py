@@ -7,8 +7,7 @@ from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import free, order_factor
 from restshape.analysis.new_mesh_samples import LINEAR_SLOPES, CellSamples
-from restshape.fem.elements import LINEAR_ELASTIC, LINEAR_ELASTIC_DILATATION
-from restshape.fem.facets import SHAPES
+from restshape.fem.elements import LINEAR_ELASTIC_DILATATION
 from restshape.fem.integral import Integral
 from restshape.fem.problem import REFERENCE
 from restshape.fem.semidiscrete import SemiDiscrete
@@ -35,8 +34,7 @@ def project_displacement(
     projection does not, up to the quadrature of strains that jump within a new cell. Its stresses are those of small
     strains, also where strains are large: there it is not for nearly incompressible bodies, which gain energy.
 
-    Where elements take the mean of the dilatation, this mean counts, with all of lambda. Of other elements lambda
-    counts 2 mu at most, as their dilatation is wrong where it is the stiffer part.
+    The norm is that of the elements: where they take the mean of the dilatation, this mean counts.
 
     Args:
         old, new: on the mesh before and on the new one.
@@ -51,20 +49,14 @@ def project_displacement(
     moduli = new.problem.energy_moduli()
     if moduli is None:
         return start
-    lame, shear, thickness = np.broadcast_to(moduli, (len(space.cells), 3)).T
-    shape = SHAPES[space.cells.shape[1]][0]
-    (own,) = new.problem.integrals(REFERENCE)
-    averaged = own.element.family == LINEAR_ELASTIC_DILATATION.name
-    element = (LINEAR_ELASTIC_DILATATION if averaged else LINEAR_ELASTIC)[shape]
-    if not averaged:
-        lame = np.minimum(lame, 2.0 * shear)
-    params = np.column_stack([lame, shear, thickness, np.zeros((len(lame), 2))])
-    forces = _forces(samples or CellSamples(old.problem.space, space), u, start, params, averaged)
-    more = _solved(Integral(element, space.X, space.cells, params), new.constrained, forces)
+    (stiffness,) = new.problem.integrals(REFERENCE)
+    averaged = stiffness.element.family == LINEAR_ELASTIC_DILATATION.name
+    forces = _forces(samples or CellSamples(old.problem.space, space), u, start, moduli, averaged)
+    more = _solved(stiffness, new.constrained, forces)
     return start + more if np.isfinite(more).all() else start
 
 
-def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.ndarray, averaged: bool) -> np.ndarray:
+def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, moduli: np.ndarray, averaged: bool) -> np.ndarray:
     """Nodal forces (n, 2) [N] of the strains that `start` lacks beside u; `averaged`: of means of the dilatation."""
     old, new, weights, slopes = samples.old, samples.new, samples.weights, samples.slopes
     there = _found_gradients(samples.found, np.concatenate([old.X, u], axis=1))
@@ -76,7 +68,7 @@ def _forces(samples: CellSamples, u: np.ndarray, start: np.ndarray, params: np.n
         slopes, weights = slopes[:1], np.ones(1)
     here, (inverse, area) = _gradients(along.transpose(0, 2, 1, 3))
     lacking = there - here
-    lame, shear, thickness = params[:, :3].T
+    lame, shear, thickness = np.broadcast_to(moduli, (len(new.cells), 3)).T
     work = 0.5 * weights[:, None] * area * thickness
     dilatation = np.trace(lacking, axis1=-2, axis2=-1)
     if averaged:
