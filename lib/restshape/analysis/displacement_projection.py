@@ -16,6 +16,8 @@ from restshape.mesh.transfer import Transfer, transfer
 
 FACTORED = 300_000
 """Unknowns up to which a complete factor corrects them: it takes a third of the time of iterations, and more memory."""
+STIFF = 10.0
+"""Lambda by mu from which one does for any number of unknowns: iterations would not come to an end."""
 NEAR = 1e-8
 """Residual of the correction, relative to its right side."""
 MOST = 1000
@@ -141,7 +143,8 @@ def _solved(stiffness: Integral, constrained: np.ndarray, forces: np.ndarray) ->
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)
     ksp.setType("cg")
     pc = ksp.getPC()
-    if right.size <= FACTORED:
+    lame, shear = stiffness.parameters[..., :2].T
+    if right.size <= FACTORED or np.any(lame > STIFF * shear):
         pc.setType("cholesky")
         order_factor(pc)
     else:
