@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from restshape.replay.loop import Replay
 
 Report = Callable[[str, Any], None]
-ENTRY = 12
-"""Bytes of an entry of a sparse matrix: a number and its column."""
+ENTRY, SINGLE = 12, 4
+"""Bytes of an entry of a sparse matrix: a number and its column; of a number of single precision."""
 REDUCTIONS, EXCHANGES = 300, 100
 """How often a sum over ranks, and a message to and fro, are timed."""
 MESSAGE = 1 << 20
@@ -140,7 +140,12 @@ def own_work(replay: Replay) -> dict[str, float]:
     fields = max(1, unknowns // len(space.X))
     own = mat.getLocalSize()[0]
     matrix = ENTRY * mat.getInfo(local)["nz_used"]
-    stored, passed = _applied(pc, fields, own // fields, unknowns // fields, size)
+    if solver.kept.shared:
+        # By panels of single precision, once forward and once back.
+        filled = solver.kept.filled / size
+        stored, passed = ENTRY * filled, 2.0 * SINGLE * filled
+    else:
+        stored, passed = _applied(pc, fields, own // fields, unknowns // fields, size)
     vectors = 8 * VECTORS * own
     return counted | {"matrix": matrix, "preconditioner": stored, "iteration": matrix + passed + vectors}
 
