@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from restshape.cli.options import add_json, add_set, write_json
+from restshape.cli.options import add_json, add_set, print_table, write_json
 from restshape.errors import UserError, one_line
 from restshape.outputs.kinds import PictureFile
 
@@ -17,11 +17,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Draw and write what is asked for; 0, or a `UserError` where nothing buckles."""
-    if not (args.out or args.json):
-        raise UserError("nothing is asked for", "--out", "--out modes.png, or --json modes.json")
-    from restshape_apps.solid.picture import draw
-
+    """Print the load factors, draw and write what is asked for; 0, or a `UserError` where nothing buckles."""
     from restshape.analysis.buckling import BucklingAnalysis
     from restshape.interface.first_frame import first_frame
 
@@ -29,7 +25,16 @@ def run(args: argparse.Namespace) -> int:
     if not isinstance(analysis, BucklingAnalysis):
         raise UserError("the scene does not ask for buckling", str(args.scene), "add [effects.buckling]")
     if args.out:
+        from restshape_apps.solid.picture import draw
+
         draw(analysis, args.out)
         print(f"wrote {one_line(args.out)}")
-    write_json(args, {"load_factors": analysis.load_factors.tolist()})
+    checked = bool(analysis.state.report.inertia_checked)
+    rows = [(number, f"{factor:.6g}") for number, factor in enumerate(analysis.load_factors, 1)]
+    print_table("", ("mode", "load factor"), rows, right=("mode", "load factor"))
+    if not rows:
+        print("nothing buckles under this load")
+    elif not checked:
+        print("no inertia count has checked that none is missed")
+    write_json(args, {"load_factors": analysis.load_factors.tolist(), "inertia_checked": checked})
     return 0

@@ -141,7 +141,8 @@ class Tally:
 
     def _add_times(self, row: RowValues) -> None:
         level, ms, counts = whole(row, "level"), number(row, "ms"), self._counts
-        counts[f"level {level}"] += 1
+        if level or not row["refused"]:
+            counts[f"level {level}"] += 1
         counts["predicted"] += bool(row["predicted"])
         for name in ("iterations", "pc_rebuilt"):
             counts[f"{name} {level or 'still'}"] += whole(row, name)

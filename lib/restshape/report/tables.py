@@ -80,13 +80,13 @@ def level_table(recording: Recording) -> list[dict[str, Any]]:
     The first frame is left out, as it is made from nothing; "still" are frames that changed nothing and were solved,
     as in time, "values" those that changed values only and were solved, as an
     undo that brings back a drape is not, "analysed" those that were solved when asked to, "all" is every
-    later frame whose shape moved.
+    later frame whose shape moved. Refused frames that show the shape before them are in no row.
     """
     later = np.arange(recording.n) > 0
     level, ms, iterations = (column(recording, name) for name in ("level", "ms", "iterations"))
     valued, asked, still = with_values(recording) & (iterations > 0), analysed(recording), solved_at_rest(recording)
     rows = []
-    idle = (level == 0) & ~valued & ~asked & ~still
+    idle = (level == 0) & ~valued & ~asked & ~still & ~refused(recording)
     rests = [("idle", idle), ("still", still), ("values", valued), ("analysed", asked)]
     for name, chosen in [*rests, *((str(k), level == k) for k in (1, 2, 3)), ("all", level > 0)]:
         chosen = chosen & later

@@ -39,8 +39,8 @@ def come_back(
         forms: of numbers, at their places; retreat: (k, 3) [m] how far each is from there.
         most: steps of each descent; report: counts them.
     """
-    contact, edges = solver.problem.contact, solver.problem.mesh
-    length = float(np.linalg.norm(np.diff(edges.X[edges.edge_nodes], axis=1), axis=2).mean())
+    contact, mesh = solver.problem.contact, solver.problem.mesh
+    length = float(np.linalg.norm(np.diff(mesh.X[mesh.edge_nodes], axis=1), axis=2).mean())
     parts = min(MOST_PARTS, math.ceil(float(np.linalg.norm(retreat, axis=1).max()) / length))
     last = None
     try:
