@@ -18,4 +18,5 @@ def test_load_factors_are_those_of_euler(tmp_path, capsys):
     written = json.loads(found.read_text())
     assert written["load_factors"][0] == pytest.approx(euler, rel=0.02) and written["inertia_checked"]
     shown = [line.split() for line in capsys.readouterr().out.splitlines() if line]
-    assert shown == [["mode", "load", "factor"]] + [[str(k), f"{p:.6g}"] for k, p in enumerate(written["load_factors"], 1)]
+    rows = [[str(mode), f"{factor:.6g}"] for mode, factor in enumerate(written["load_factors"], 1)]
+    assert shown == [["mode", "load", "factor"], *rows]
