@@ -46,6 +46,7 @@ __all__: list[str] = [
     "flop_rate",
     "follow_sides",
     "forget_cycle",
+    "forget_failure",
     "gmls",
     "grade_sizes",
     "has_cgal",
@@ -730,6 +731,7 @@ def follow_sides(
     floor: typing.SupportsFloat | typing.SupportsIndex,
 ) -> int: ...
 def forget_cycle(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+def forget_failure(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def gmls(
     hand: numpy.typing.NDArray[numpy.float64],
     last: numpy.typing.NDArray[numpy.float64],

@@ -15,6 +15,7 @@ from restshape.algebra.linear_report import true_residual
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
+from restshape.errors import ReplayProblem
 
 FRAMES, TOLERANCE = 40, 1e-6
 
@@ -179,6 +180,26 @@ def test_a_new_system_makes_a_new_factor(systems):
         mat, b, x = petsc(GatheredSystem(A, np.ones(A.shape[0])))
         report = made.solve(mat, b, x, True)
         assert report.refreshed and report.age == 0 and report.iterations <= 2
+
+
+@pytest.mark.parametrize("kind", ["asm", "bjacobi"])
+def test_a_set_up_that_has_failed_does_not_spoil_the_next_ones(systems, kind):
+    """As ranks have it; PETSc 3.18 keeps what a block has failed by."""
+    options = PETSc.Options("test_")
+    given = {"pc_type": kind, "sub_pc_type": "cholesky"}
+    for key, value in given.items():
+        options.setValue(key, value)
+    try:
+        made, system = solver(), systems[0]
+        singular = GatheredSystem(0.0 * system.matrix, system.solution)
+        with pytest.raises(ReplayProblem):
+            made.solve(*petsc(singular), True)
+        mat, b, x = petsc(system)
+        made.solve(mat, b, x, True)
+        assert true_residual(mat, b, x) <= TOLERANCE * (1 + 1e-6)
+    finally:
+        for key in given:
+            options.delValue(key)
 
 
 def test_nothing_loaded_has_the_solution_0(systems):

@@ -126,6 +126,14 @@ void bind_algebra(py::module_& m) {
         [](intptr_t pc) { restshape::check(restshape::forget_cycle(reinterpret_cast<PC>(pc)), "PetscObjectCompose"); },
         py::arg("pc"), "Let go of what cycle_in_single has made of the preconditioner with this handle.");
     m.def(
+        "forget_failure",
+        [](intptr_t pc) {
+            restshape::check(PCSetFailedReason(reinterpret_cast<PC>(pc), PC_NOERROR), "PCSetFailedReason");
+        },
+        py::arg("pc"),
+        "Let the next set-up of the preconditioner with this handle say itself whether it fails: PETSc's block Jacobi and "
+        "additive Schwarz keep the failure of one block for ever.");
+    m.def(
         "multiply_in_registers",
         [](intptr_t mat) {
             restshape::check(restshape::multiply_in_registers(reinterpret_cast<Mat>(mat)), "MatSetOperation");

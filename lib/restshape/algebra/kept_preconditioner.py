@@ -221,6 +221,7 @@ class KeptPreconditioner:
             set_rigid_motions(mat, places)
         if self.kind == "lu" and self.ranks == 1 and not self.exchanges:
             self._factor_by_nodes(mat)
+        _kernels.forget_failure(pc.handle)
         pc.setReusePreconditioner(False)
         self.ksp.setOperators(mat)
         self.ksp.setUp()

@@ -27,15 +27,15 @@ def negative_pivots(factor: PETSc.Mat, kind: str) -> int:
 
 
 def _counts(factor: PETSc.Mat) -> bool:
-    """Whether a Cholesky factor reports its pivots: other libraries' do not, or only with options of theirs."""
-    return factor.getType() in ("seqsbaij", _kernels.node_blocks)
+    """Whether a Cholesky factor reports its pivots: other libraries' do not, nor one that has ended at a zero."""
+    return factor.getType() == _kernels.node_blocks or (factor.getType() == "seqsbaij" and factor.isAssembled())
 
 
 def zero_pivots(factor: PETSc.Mat, kind: str) -> int:
     """Pivots that a factor of PETSc's own has none of, as it ended at one that is zero; 0 of other libraries' factors.
 
-    Of an LU factor, complete or not, at most one: it does not go on.
+    Of an LU factor, complete or not, and of a Cholesky factor of single numbers at most one: it does not go on.
     """
-    if kind == "cholesky":
-        return factor.getInertia()[1] if _counts(factor) else 0
-    return int(kind in ("lu", "ilu") and _kernels.ended_at_zero(factor.handle))
+    if kind == "cholesky" and _counts(factor):
+        return factor.getInertia()[1]
+    return int(kind in ("cholesky", "lu", "ilu") and _kernels.ended_at_zero(factor.handle))
