@@ -131,7 +131,8 @@ void bind_algebra(py::module_& m) {
             restshape::check(PCSetFailedReason(reinterpret_cast<PC>(pc), PC_NOERROR), "PCSetFailedReason");
         },
         py::arg("pc"),
-        "Let the next set-up of the preconditioner with this handle say itself whether it fails: PETSc's block Jacobi and "
+        "Let the next set-up of the preconditioner with this handle say itself whether it fails: PETSc's block Jacobi "
+        "and "
         "additive Schwarz keep the failure of one block for ever.");
     m.def(
         "multiply_in_registers",
