@@ -63,3 +63,21 @@ def test_a_smooth_start_is_no_sudden_one(tmp_path):
     analysis.begin(np.column_stack([4 * y * (1 - y), 0 * y, 0.8 * (3 - space.X[:, 0])]))
     analysis.solve(Frame(space, np.empty(0, np.int32), None, scene, (None, (0.0, 0.0))))
     assert analysis.state.past.before is not None and not analysis.state.past.sudden
+
+
+def test_short_steps_on_new_meshes_say_what_these_add_to_forces(tmp_path):
+    """Against the same drag on a mesh that moves along: where forces are far off, a note says so."""
+    edits = [
+        idle(4),
+        {"do": "press", "on": "body", "at": [0.5, 0.5]},
+        {"do": "drag", "path": [[0.56, 0.5]], "frames": 3},
+    ]
+    script, off, noted = write_script(tmp_path, edits), [], []
+    for dt in (0.002, 0.1):
+        scene = write_scene(tmp_path, CYLINDER + in_time(dt) + MESH)
+        kept, new = ([dict(row) for row in make_replay(scene, script, name).frames()] for name in ("auto", "rebuild"))
+        off.append(max(abs(b["q_drag"] / a["q_drag"] - 1.0) for a, b in list(zip(kept, new))[-3:]))
+        noted.append(["free of divergence" in row["note"] for row in new[-3:]])
+        assert not any("free of divergence" in row["note"] for row in kept)
+    assert off[0] > 0.2 and noted[0] == [True, True, True]
+    assert off[1] < 0.03 and noted[1] == [False, False, False]

@@ -40,6 +40,9 @@ class Carrier:
         settings: of the time steps.
         tolerance: of the residual, over forces.
 
+    Attributes:
+        pressure: spread of the one that makes the last velocity divergence-free on a new mesh [Pa]; 0 without one.
+
     Source: docs/theory/flow.md.
     """
 
@@ -48,6 +51,7 @@ class Carrier:
         self.correct = VelocityCorrection(self.problem, equations, newton, settings.time_step, tolerance)
         self.first_order = settings.scheme == "backward_euler"
         self.farthest = {"ale": math.inf, "remap": 0.0, "auto": FAR}[settings.carry]
+        self.pressure = 0.0
 
     def __call__(self, x: np.ndarray, past: Past, old: FieldNodes | None) -> tuple[np.ndarray, Past, Outcome | None]:
         """Unknowns and past on the mesh as it lies, and what it took to take them there.
@@ -75,6 +79,7 @@ class Carrier:
         for k, (level, time) in enumerate(zip(levels, past.times)):
             lost, area = divergence(level)
             outcome, followed[k] = self.correct(followed[k], transfer((lost / area)[:, None])[:, 0], time)
+            self.pressure = self.pressure or self.correct.pressure
             total = outcome if total is None else outcome.after(total)
         x[:, list(self.problem.history)] = followed[0].values
         return x, past.of(followed), total
@@ -168,8 +173,13 @@ class VelocityCorrection:
         dt: of the steps [s].
         tolerance: of the residual, over forces.
 
+    Attributes:
+        pressure: spread of the last one [Pa], see `pressure_spread`.
+
     Source: docs/theory/flow.md.
     """
+
+    pressure = 0.0
 
     def __init__(
         self, problem: IncompressibleFlow, equations: ResidualEquations, newton: Newton, dt: float, tolerance: float
@@ -198,6 +208,7 @@ class VelocityCorrection:
         if not outcome.converged:
             log.info("Velocities keep their divergence: %s", outcome.why)
             return outcome, level
+        self.pressure = pressure_spread(x)
         values = level.values.copy()
         values[:, :2] = x[:, :2]
         return outcome, Level(values, level.X, level.cells)
@@ -215,6 +226,11 @@ class VelocityCorrection:
         problem.boundary.zero(offset)
         scale = problem.force_scale(x)
         return self.newton.solve(x, self.tolerance * scale, scale, offset=offset, rounding=problem.rounding())
+
+
+def pressure_spread(x: np.ndarray) -> float:
+    """Standard deviation [Pa] of the nodes' pressures, of unknowns x (n, f)."""
+    return float(np.std(x[:, 2]))
 
 
 def divergence(level: Level) -> tuple[np.ndarray, np.ndarray]:

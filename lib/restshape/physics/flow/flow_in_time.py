@@ -21,14 +21,14 @@ from restshape.analysis.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made
-from restshape.physics.flow.carry import Carrier, VelocityCorrection
+from restshape.physics.flow.carry import Carrier, VelocityCorrection, pressure_spread
 from restshape.physics.flow.extrapolation import TimeGuess
 from restshape.physics.flow.flow_declaration import FlowSettings
 from restshape.physics.flow.flow_quantities import swinging_lifts
 from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.flow.history import Level, Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow, TimeStep
-from restshape.physics.flow.sudden import IMPULSE, after_impulse, is_sudden, with_jumps
+from restshape.physics.flow.sudden import IMPULSE, after_impulse, is_sudden, projected_note, with_jumps
 from restshape.physics.flow.swing import Swings, still_note
 from restshape.policy import policy
 from restshape.scene.model import Scene
@@ -111,7 +111,8 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
     def row(self) -> RowValues:
         """What the frame's row reports besides: the simulated time [s]."""
         sudden = {"note": IMPULSE} if made(self.state.past).sudden else {}
-        return still_note(self._strouhal()) | sudden | super().row() | {"time": self.time}
+        notes = still_note(self._strouhal()) | projected_note(made(self.state.past).projected) | sudden
+        return notes | super().row() | {"time": self.time}
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the last solution; Strouhal numbers of all steps until then."""
@@ -142,16 +143,16 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
 
     def _goes_on_from(
         self, equations: ResidualEquations, frame: Frame, before: FlowState
-    ) -> tuple[np.ndarray, Past, Outcome | None]:
-        """Unknowns and past on the mesh as it lies, and what it took to take them there."""
+    ) -> tuple[np.ndarray, Past, Outcome | None, float]:
+        """Unknowns and past on the mesh as it lies, what it took to take them there, and `Carrier.pressure`."""
         past, old = made(self.state.past), None
         if before.bound is None:
-            return self.state.x, past, None
+            return self.state.x, past, None, 0.0
         if frame.mesh is not before.mesh:
             old = frame.old_mesh or before.problem.space
         carrier = Carrier(equations, self.state.system.newton, self.settings, self.solver.aim)
         with self.context.stages("map"):
-            return carrier(before.x, past, old)
+            return *carrier(before.x, past, old), carrier.pressure
 
     def _run(self, frame: Frame, new_mesh: bool, before: FlowState) -> LinearReport:
         """Take the time steps of a frame; the first one takes none."""
@@ -162,10 +163,10 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             system.newton.set_equations(equations)
         again = new_mesh or before.interrupted
         system.newton.begin(again, not again and frame.mesh.topology != before.topology, None)
-        x, past, total = self._goes_on_from(equations, frame, before)
+        x, past, total, pressure = self._goes_on_from(equations, frame, before)
         if before.bound is not None and frame.scene is not before.scene:
             past = with_jumps(past, problem)
-        swings, residual = state.swings, 0.0
+        swings, residual, projected = state.swings, 0.0, 0.0
         # Walls move in the first step of a frame, and push what they move: its end is what the lift has come to.
         moved = frame.mesh.geometry != before.geometry
         for k in range(0 if before.bound is None else self.settings.steps):
@@ -173,6 +174,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             step = past.step(problem.space.X, self.settings)
             outcome, x, scale = self._step(equations, step, x, past)
             past = self._after(past, step, problem, x)
+            projected = projected or pressure / (pressure_spread(x) or 1.0)
             if not moved or k == self.settings.steps - 1:
                 swings = swings.after(step.time, x)
             residual = max(residual, outcome.norm / (scale or 1.0))
@@ -183,7 +185,7 @@ class FlowInTimeAnalysis(NonlinearSteadyAnalysis):
             scene=frame.scene,
             equations=equations,
             x=x,
-            past=past,
+            past=replace(past, projected=projected),
             swings=swings,
             topology=frame.mesh.topology,
             geometry=frame.mesh.geometry,

@@ -57,6 +57,7 @@ class Past:
         before: at the end of the step before, on the same nodes; None: there was none.
         dt: between the two [s].
         sudden: the step between them was an impulse, so that the field before does not fit the one after.
+        projected: pressures that a new mesh has added to those of the frame, over these.
     """
 
     time: float
@@ -64,6 +65,7 @@ class Past:
     before: Level | None = None
     dt: float = 0.0
     sudden: bool = False
+    projected: float = 0.0
 
     @property
     def levels(self) -> list[Level]:

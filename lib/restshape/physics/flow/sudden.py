@@ -18,6 +18,9 @@ LOST = 0.05
 IMPULSE = "the flow began suddenly in this step: forces hold the impulse of it, over the step"
 """The note of a frame's row whose last step was an impulse."""
 
+PROJECTED = 0.2
+"""Pressures that a new mesh adds, over those of the flow, from which on forces are doubted."""
+
 log = logging.getLogger("restshape.analysis")
 
 
@@ -33,6 +36,15 @@ def with_jumps(past: Past, problem: IncompressibleFlow) -> Past:
         return past
     log.info("Prescribed values have jumped: the next step is of first order")
     return Past(past.time, replace(last, values=values))
+
+
+def projected_note(share: float) -> dict[str, str]:
+    """The note of a frame's row on a new mesh that has added such a share of pressures to those of the flow."""
+    if share < PROJECTED:
+        return {}
+    what = "the mesh is new: what makes the velocity on it free of divergence is in the forces, with"
+    do = "longer time steps, finer meshes, and meshes that last have less of it"
+    return {"note": f"{what} {100 * share:.0f} % of the pressures; {do}"}
 
 
 def is_sudden(before: Level, last: Level, problem: IncompressibleFlow) -> bool:
