@@ -51,6 +51,8 @@ class Furniture:
             gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,
             ending: typing.SupportsInt | typing.SupportsIndex = 0,
         ) -> tuple: ...
+        @property
+        def steps(self) -> int: ...
 
     APART: typing.ClassVar[int] = 32
     DOUBTFUL: typing.ClassVar[int] = 64
@@ -123,6 +125,8 @@ class Furniture:
     ) -> tuple: ...
     @property
     def parts(self) -> int: ...
+    @property
+    def steps(self) -> int: ...
 
 def free_ends(
     centre: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

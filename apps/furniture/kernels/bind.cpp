@@ -268,6 +268,7 @@ void bind_many_springs(py::class_<Furniture>& c) {
             "gamma"_a, "spread"_a,
             "Whether the piece bears its loads with some of the springs alone, by reason of a joint whose utilisation "
             "differs by more than `spread`.")
+        .def_property_readonly("steps", &ManySprings::steps, "Newton's steps of all equilibria so far.")
         .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
              "Flaws (bits), the largest utilisation (m, j) of each joint over all cases, and whether some case is left "
              "to "
@@ -309,6 +310,7 @@ PYBIND11_MODULE(_kernels, m) {
     c.def(py::init(&furniture), "centre"_a, "axes"_a, "size"_a, "density"_a, "joints"_a, "strength"_a, "feet"_a,
           "planes"_a, "loaded"_a, "places"_a, "cases"_a, "gravity"_a, "settings"_a)
         .def_property_readonly("parts", &Furniture::parts)
+        .def_property_readonly("steps", &Furniture::steps, "Newton's steps of all equilibria so far.")
         .def("shape", &shape, "gamma"_a = py::none(),
              "The closed geometry at design parameters (n, 8), which becomes the present one.")
         .def(

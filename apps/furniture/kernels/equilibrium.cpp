@@ -16,8 +16,37 @@ inline Eigen::Matrix3d spin(const V3<double>& a) {
 
 namespace {
 
+// How a point at the end of an arm goes with the rotation vector of its plank.
+Eigen::Matrix3d swing(const Place<double>& at, const V3<double>& arm) {
+    const V3<double> now = turned(at.t, arm);
+    Eigen::Matrix3d ways;
+    for (int c = 0; c < 3; ++c) {
+        const V3<double> way = cross(column(at.t.rate, c), now);
+        ways.col(c) << way[0], way[1], way[2];
+    }
+    return ways;
+}
+
+// What a force at the end of an arm adds to the stiffness of its plank's rotation: the second derivative of
+// -force . (w x (w x arm)) / 2.
+Eigen::Matrix3d turning(const V3<double>& arm, const V3<double>& force) {
+    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Identity() * dot(force, arm);
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) stiffness(r, c) -= 0.5 * (force[r] * arm[c] + arm[r] * force[c]);
+    return stiffness;
+}
+
 // Whether two residuals are equal but for rounding.
 bool same(double one, double other) { return std::abs(one - other) <= 1e-12 * other; }
+
+// Of a residual, in parts of the loads, of a law that is only on the way.
+constexpr double rough = 1e-5;
+// The same under Coulomb's law, from which on friction with bounds may lead to it.
+constexpr double near = 1e-3;
+// How often pressures give friction its bounds.
+constexpr int most_rounds = 6;
+// Newton's steps under Coulomb's law in which the residual may fail to fall to half its least so far.
+constexpr int most_vain = 5;
 
 }  // namespace
 
@@ -89,7 +118,16 @@ double Equilibrium::energy(const Shape<double>& shape, int load_case, const doub
 }
 
 void Equilibrium::stiffness(const Shape<double>& shape, Law law, const double* x, bool exact, bool joints_known) {
-    if (joints_known && !exact) {
+    if (turned_) {
+        blocks_.clear();
+        place(x);
+        for (size_t k = 0; k < P.joints.size(); ++k) turned_joint(shape, k);
+        for (size_t k = 0; k < P.loads.size(); ++k)
+            if (const int i = P.loads[k].plank; carried(i)) {
+                const V3<double> arm = turned(places_[i].t, shape.load_arms[k]);
+                blocks_.at(i, i).bottomRightCorner<3, 3>() += turning(arm, P.cases[load_case_][k]);
+            }
+    } else if (joints_known && !exact) {
         blocks_.restore();
     } else {
         blocks_.clear();
@@ -100,38 +138,42 @@ void Equilibrium::stiffness(const Shape<double>& shape, Law law, const double* x
     for (int i = 0; i < P.count(); ++i) blocks_.at(i, i).diagonal().array() += P.settings.shift * joint_t();
 }
 
-int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x) {
+int Equilibrium::solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x, double from) {
     const int n = 6 * P.count();
     load_case_ = load_case;
     double scale = 0.0;
     for (int i = 0; i < P.count(); ++i) scale += shape.mass[i] * std::abs(P.gravity[2]);
     for (const auto& f : P.cases[load_case]) scale += std::sqrt(dot(f, f));
     std::vector<double> r(n), slope;
-    double last = 1e300, before[4] = {1e300, 1e300, 1e300, 1e300};
+    double best = 1e300, last = 1e300, before[4] = {1e300, 1e300, 1e300, 1e300};
     bool exact = false, fresh = false;
+    int best_step = 0;
     const int most = law == Law::bilateral ? 25 : 40;
     for (int step = 0; step < most; ++step) {
         gradient(shape, load_case, law, x.data(), r.data());
         double norm = 0.0;
         for (double v : r) norm = std::max(norm, std::abs(v));
-        if (!(norm < 1e15)) return -1;
-        if (norm <= 1e-11 * scale) return step;
+        if (!(norm < 1e15) || (step == 0 && norm > from * scale)) return -1;
+        if (norm <= (law == Law::bounded ? rough : 1e-11) * scale) return step;
         // A residual that stays small is rounding.
         if (norm <= 1e-8 * scale && norm > 0.5 * last) return step;
         // Contacts that come and go in turns do so for ever.
         if (law == Law::unilateral && same(norm, before[1]) && same(before[0], before[2]) && same(norm, before[3]))
             return -1;
+        if (norm < 0.5 * best) best = norm, best_step = step;
+        if (law == Law::unilateral && step > best_step + most_vain) return -1;
         std::copy_backward(before, before + 3, before + 4), before[0] = norm;
-        if (!fresh || norm > 0.1 * last) {
-            exact = exact || (law == Law::bilateral && fresh);
+        if (turned_ || !fresh || norm > 0.1 * last) {
+            exact = exact || (law == Law::bilateral && fresh && !turned_);
             stiffness(shape, law, x.data(), exact, fresh);
             blocks_.factor();
             fresh = true;
         }
         if (law == Law::bounded) slope = r;
         blocks_.solve(r);
+        ++steps_;
         if (law == Law::bounded) {
-            search(shape, load_case, slope, r, x);
+            search(shape, slope, r, x);
         } else {
             for (int k = 0; k < n; ++k) x[k] -= r[k];
         }
@@ -144,44 +186,105 @@ bool Equilibrium::ease(const Shape<double>& shape, int load_case, const std::vec
                        std::vector<double>& x) {
     bounds_.assign(shape.contacts.size(), std::numeric_limits<double>::infinity());
     if (solve(shape, load_case, Law::bounded, x) < 0) return false;
-    const std::vector<double> stuck = x;
-    for (const bool balanced : {false, true}) {
-        x = stuck;
-        for (size_t k = 0; k < bounds_.size(); ++k) {
-            const auto& contact = shape.contacts[k];
-            const Place<double> at = place_of(x.data() + 6 * contact.plank);
-            const V3<double> v = at.u + times(at.t.less_one, contact.arm);
-            const double pressed = dot(contact.normal, balanced ? balance[k] : scaled(v, -floor()));
-            bounds_[k] = contact.mu * std::max(pressed, 0.0);
-        }
-        if (solve(shape, load_case, Law::bounded, x) >= 0 && solve(shape, load_case, Law::unilateral, x) >= 0)
-            return true;
+    std::vector<double> balanced, stuck = x;
+    for (size_t k = 0; k < balance.size(); ++k)
+        balanced.push_back(shape.contacts[k].mu * std::max(dot(shape.contacts[k].normal, balance[k]), 0.0));
+    if (settle(shape, load_case, allowed(shape, x), x)) return true;
+    x = stuck;
+    return settle(shape, load_case, std::move(balanced), x);
+}
+
+bool Equilibrium::settle(const Shape<double>& shape, int load_case, std::vector<double> bounds,
+                         std::vector<double>& x) {
+    bounds_ = std::move(bounds);
+    for (int round = 0; round < most_rounds; ++round) {
+        if (solve(shape, load_case, Law::bounded, x) < 0) return false;
+        bounds_ = allowed(shape, x);
+        std::vector<double> slides = x;
+        if (solve(shape, load_case, Law::unilateral, slides, round + 1 < most_rounds ? near : 1e300) < 0) continue;
+        x = slides;
+        return true;
     }
     return false;
 }
 
-void Equilibrium::search(const Shape<double>& shape, int load_case, const std::vector<double>& slope,
-                         const std::vector<double>& step, std::vector<double>& x) {
-    const auto along = [&step](const std::vector<double>& g) {
-        return std::inner_product(step.begin(), step.end(), g.begin(), 0.0);
-    };
-    const double first = along(slope);
-    std::vector<double> at(x.size()), r(x.size());
-    double low = 0.0, high = 0.0, t = 1.0;
-    for (int k = 0; k < 30; ++k) {
-        for (size_t a = 0; a < x.size(); ++a) at[a] = x[a] - t * step[a];
-        gradient(shape, load_case, Law::bounded, at.data(), r.data());
-        const double now = along(r);
-        if (!(std::abs(now) > 0.1 * std::abs(first))) break;
-        (now > 0.0 ? low : high) = t;
-        t = high == 0.0 ? 2.0 * t : 0.5 * (low + high);
+void Equilibrium::place(const double* x) {
+    places_.resize(P.count());
+    for (int i = 0; i < P.count(); ++i) places_[i] = place_of(x + 6 * i);
+}
+
+std::vector<double> Equilibrium::allowed(const Shape<double>& shape, const std::vector<double>& x) {
+    place(x.data());
+    std::vector<double> most;
+    for (const auto& contact : shape.contacts) {
+        const Place<double>& at = places_[contact.plank];
+        const V3<double> v = at.u + times(at.t.less_one, contact.arm);
+        most.push_back(contact.mu * std::max(-floor() * dot(v, contact.normal), 0.0));
     }
-    x = at;
+    return most;
+}
+
+void Equilibrium::search(const Shape<double>& shape, const std::vector<double>& slope, const std::vector<double>& step,
+                         std::vector<double>& x) {
+    place(x.data());
+    std::vector<V3<double>> at, way;
+    for (const auto& contact : shape.contacts) {
+        const double* dx = step.data() + 6 * contact.plank;
+        const Place<double>& now = places_[contact.plank];
+        at.push_back(now.u + times(now.t.less_one, contact.arm));
+        way.push_back(V3<double>{dx[0], dx[1], dx[2]} + cross(V3<double>{dx[3], dx[4], dx[5]}, contact.arm));
+    }
+    const auto contacts = [&](double t) {
+        double sum = 0.0;
+        for (size_t k = 0; k < at.size(); ++k) {
+            const auto& contact = shape.contacts[k];
+            const V3<double> v = at[k] - scaled(way[k], t);
+            sum -= dot(contact_force(v, contact.normal, contact.mu, floor(), Law::bounded, bounds_[k]), way[k]);
+        }
+        return sum;
+    };
+    // Joints and free motions have a slope that is linear along the step.
+    const double first = std::inner_product(step.begin(), step.end(), slope.begin(), 0.0);
+    const double linear = first - contacts(0.0), bend = linear_curvature(shape, step);
+    double low = 0.0, high = 0.0, at_low = first, at_high = 0.0, t = 1.0;
+    for (int k = 0; k < 60; ++k) {
+        const double now = linear - t * bend + contacts(t);
+        if (!(std::abs(now) > 0.01 * std::abs(first))) break;
+        (now > 0.0 ? low : high) = t, (now > 0.0 ? at_low : at_high) = now;
+        // Secants, and halves in turns: slopes have kinks.
+        const double part = k % 2 ? 0.5 : at_low / (at_low - at_high);
+        t = high == 0.0 ? 2.0 * t : low + part * (high - low);
+    }
+    for (size_t a = 0; a < x.size(); ++a) x[a] -= t * step[a];
+}
+
+double Equilibrium::linear_curvature(const Shape<double>& shape, const std::vector<double>& step) const {
+    const auto part = [&](int plank, int first) {
+        const double* dx = step.data() + 6 * plank + first;
+        return V3<double>{dx[0], dx[1], dx[2]};
+    };
+    double sum = 0.0;
+    for (size_t k = 0; k < P.joints.size(); ++k) {
+        const int i = P.joints[k].i, j = P.joints[k].j;
+        const V3<double> wi = part(i, 3), wj = part(j, 3), dr = wi - wj;
+        const V3<double> dt =
+            part(i, 0) + cross(wi, shape.joints[k].arm_i) - part(j, 0) - cross(wj, shape.joints[k].arm_j);
+        sum += joint_t() * dot(dt, dt) + joint_r() * dot(dr, dr);
+    }
+    for (const Part& one : parts_)
+        for (const auto& q : one.free) {
+            double along = 0.0;
+            for (int a = 0; a < 6; ++a) along += step[6 * one.carrier + a] * q[a];
+            sum += floor() * along * along;
+        }
+    return sum;
 }
 
 void Equilibrium::small_joint(const Shape<double>& shape, size_t k) {
-    const int i = P.joints[k].i, j = P.joints[k].j;
-    const Eigen::Matrix3d a = -spin(shape.joints[k].arm_i), b = -spin(shape.joints[k].arm_j);
+    put_joint(P.joints[k].i, P.joints[k].j, -spin(shape.joints[k].arm_i), -spin(shape.joints[k].arm_j));
+}
+
+void Equilibrium::put_joint(int i, int j, const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
     const auto put = [this](int r, int c, const Eigen::Matrix3d& left, const Eigen::Matrix3d& right, double sign) {
         Block& block = blocks_.at(r, c);
         block.topLeftCorner<3, 3>().diagonal().array() += sign * joint_t();
@@ -191,6 +294,17 @@ void Equilibrium::small_joint(const Shape<double>& shape, size_t k) {
         block.bottomRightCorner<3, 3>().diagonal().array() += sign * joint_r();
     };
     put(i, i, a, a, 1.0), put(j, j, b, b, 1.0), put(i, j, a, b, -1.0), put(j, i, b, a, -1.0);
+}
+
+void Equilibrium::turned_joint(const Shape<double>& shape, size_t k) {
+    const int i = P.joints[k].i, j = P.joints[k].j;
+    const JointShape<double>& joint = shape.joints[k];
+    const Place<double>&pi = places_[i], &pj = places_[j];
+    const V3<double> dt = pi.u + times(pi.t.less_one, joint.arm_i) - pj.u - times(pj.t.less_one, joint.arm_j);
+    put_joint(i, j, swing(pi, joint.arm_i), swing(pj, joint.arm_j));
+    const V3<double> pull = scaled(dt, -joint_t());
+    blocks_.at(i, i).bottomRightCorner<3, 3>() += turning(turned(pi.t, joint.arm_i), pull);
+    blocks_.at(j, j).bottomRightCorner<3, 3>() -= turning(turned(pj.t, joint.arm_j), pull);
 }
 
 void Equilibrium::exact_joint(const Shape<double>& shape, size_t k, const double* x) {
@@ -211,6 +325,19 @@ void Equilibrium::exact_joint(const Shape<double>& shape, size_t k, const double
             blocks_.at(i, i)(a, b) += ri[a].d[b], blocks_.at(i, j)(a, b) += ri[a].d[6 + b];
             blocks_.at(j, i)(a, b) += rj[a].d[b], blocks_.at(j, j)(a, b) += rj[a].d[6 + b];
         }
+}
+
+Block Equilibrium::turned_contact(const Contact<double>& contact, Law law, double bound) const {
+    const Place<double>& at = places_[contact.plank];
+    const V3<double> v = at.u + times(at.t.less_one, contact.arm);
+    const M3<double> k = contact_stiffness(v, contact.normal, contact.mu, floor(), law, bound);
+    const V3<double> force = contact_force(v, contact.normal, contact.mu, floor(), law, bound);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> stiff(k.data());
+    Eigen::Matrix<double, 3, 6> way;
+    way << Eigen::Matrix3d::Identity(), swing(at, contact.arm);
+    Block block = way.transpose() * stiff * way;
+    block.bottomRightCorner<3, 3>() += turning(turned(at.t, contact.arm), force);
+    return block;
 }
 
 // Not inlined: GCC 12 on AVX-512 would warn of derivatives used uninitialised, which they are not.

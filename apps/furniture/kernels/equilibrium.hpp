@@ -39,36 +39,66 @@ class Equilibrium {
     // joints_known: the last one that was not exact had these joints, which small displacements do not change.
     void stiffness(const Shape<double>& shape, Law law, const double* x, bool exact, bool joints_known = false);
 
+    // Whether stiffness is taken anew at each step, where planks have turned to and with what forces add to it. What
+    // small displacements leave out is a part of d / L of the stiffest springs, which soft joints do not have to spare.
+    void look_close(bool close) { turned_ = close; }
+
     // Hands over the exact stiffness of contacts, loads and what is held, one block a term.
     template <class Sink>
     void ground(const Shape<double>& shape, Law law, const double* x, Sink sink) const {
         add_ground(shape, law, x, true, sink);
     }
 
-    // Solves for x from the guess in it; returns the steps, negative where there is no end.
-    int solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x);
+    // Solves for x from the guess in it, unless its residual is larger than `from`, in parts of the loads; returns the
+    // steps, negative where there is no end.
+    int solve(const Shape<double>& shape, int load_case, Law law, std::vector<double>& x, double from = 1e300);
+
+    // Newton's steps of all solutions so far.
+    long steps() const { return steps_; }
 
     // One-sided contacts with Coulomb's friction from where springs are: contacts first stick, then slide beyond what
-    // mu allows under the pressures found, or else under those of forces that balance the loads, and last Coulomb's
-    // law takes over. All steps before have convex energies, whose least Newton's method finds from anywhere.
+    // mu allows under the pressures found, again and again, until Coulomb's law can take over; or else it begins with
+    // the pressures of forces that balance the loads. All but Coulomb's law have convex energies, whose least Newton's
+    // method finds from anywhere.
     bool ease(const Shape<double>& shape, int load_case, const std::vector<V3<double>>& balance,
               std::vector<double>& x);
+
+    // Coulomb's friction from bounds of friction [N] that are not far off, and from x: bounds are those of the
+    // pressures that the last ones led to, until Coulomb's law can take over.
+    bool settle(const Shape<double>& shape, int load_case, std::vector<double> bounds, std::vector<double>& x);
+
+    // What friction allows each contact under its pressures at x [N].
+    std::vector<double> allowed(const Shape<double>& shape, const std::vector<double>& x);
 
  private:
     const Piece& P;
     std::vector<Part> parts_;
     std::vector<int> plank_part_;
     Blocks blocks_;
-    int load_case_ = 0;           // whose loads an exact stiffness holds
-    std::vector<double> bounds_;  // [N] of each contact's friction, in the law of that name
+    long steps_ = 0;
+    bool turned_ = false;
+    int load_case_ = 0;                  // whose loads an exact stiffness holds
+    std::vector<Place<double>> places_;  // of planks, at displacements that were placed last
+    std::vector<double> bounds_;         // [N] of each contact's friction, in the law of that name
 
     double bound(Law law, size_t contact) const { return law == Law::bounded ? bounds_[contact] : 0.0; }
 
-    // Goes along a Newton step of a convex energy to where its slope has fallen to a tenth.
-    void search(const Shape<double>& shape, int load_case, const std::vector<double>& slope,
-                const std::vector<double>& step, std::vector<double>& x);
+    void place(const double* x);
+
+    // Goes along a Newton step of a convex energy to where its slope has fallen to a hundredth. Displacements are
+    // small: only contacts are looked at again at each place.
+    void search(const Shape<double>& shape, const std::vector<double>& slope, const std::vector<double>& step,
+                std::vector<double>& x);
+
+    // The second derivative of the energy of joints and free motions along a step.
+    double linear_curvature(const Shape<double>& shape, const std::vector<double>& step) const;
 
     void small_joint(const Shape<double>& shape, size_t k);
+
+    void turned_joint(const Shape<double>& shape, size_t k);
+
+    // Adds the stiffness of a joint whose points go with rotations by `a` and `b`.
+    void put_joint(int i, int j, const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
     void exact_joint(const Shape<double>& shape, size_t k, const double* x);
 
@@ -77,8 +107,9 @@ class Equilibrium {
         for (size_t k = 0; k < shape.contacts.size(); ++k) {
             const auto& contact = shape.contacts[k];
             const double* at = x + 6 * contact.plank;
-            sink(contact.plank, exact ? exact_contact(contact, law, at, bound(law, k))
-                                      : small_contact(contact, law, at, bound(law, k)));
+            sink(contact.plank, exact     ? exact_contact(contact, law, at, bound(law, k))
+                                : turned_ ? turned_contact(contact, law, bound(law, k))
+                                          : small_contact(contact, law, at, bound(law, k)));
         }
         for (size_t k = 0; exact && k < P.loads.size(); ++k)
             if (const int i = P.loads[k].plank; carried(i)) sink(i, load_stiffness(shape, k, x + 6 * i));
@@ -89,6 +120,8 @@ class Equilibrium {
     static Block block_of(const Dual<6> (&r)[6]);
 
     Block exact_contact(const Contact<double>& contact, Law law, const double* x, double bound) const;
+
+    Block turned_contact(const Contact<double>& contact, Law law, double bound) const;
 
     Block small_contact(const Contact<double>& contact, Law law, const double* x, double bound) const;
 

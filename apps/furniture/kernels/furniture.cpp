@@ -22,6 +22,8 @@ Furniture::~Furniture() = default;
 
 int Furniture::parts() const { return static_cast<int>(equilibrium_->parts().size()); }
 
+long Furniture::steps() const { return equilibrium_->steps(); }
+
 void Furniture::set_shape(const double* gamma) {
     Shaper<double>(P, gamma, shape_);
     equilibrium_->find_free(shape_);
@@ -171,8 +173,13 @@ void Furniture::equilibrate(int load_case) {
     state.found = equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) >= 0 && !wild(state);
     if (!state.found || !balanced || inside(load_case)) return;
     const std::vector<double> kept = state.x;
-    const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
-    if (ends || stiffen(load_case) || ease(load_case, kept)) {
+    bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+    if (!ends) {
+        equilibrium_->look_close(true);
+        ends = stiffen(load_case) || ease(load_case, kept);
+        equilibrium_->look_close(false);
+    }
+    if (ends) {
         state.law = Law::unilateral;
     } else {
         state.x = kept, state.sprung = true;
@@ -183,14 +190,18 @@ bool Furniture::stiffen(int load_case) {
     CaseState& state = states_[load_case];
     const double floor = P.settings.eps_floor;
     bool found = false;
-    std::vector<double> x(6 * P.count());
+    std::vector<double> x(6 * P.count()), bounds;
     for (const double softer : {1e3, 1e2, 1e1, 1.0}) {
         P.settings.eps_floor = softer * floor;
         // The first that converges starts from springs, the others from the last that did.
         state.x.assign(x.begin(), x.end());
         if (!found && (softer == 1.0 || equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) < 0)) continue;
-        const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
-        if (ends) x = state.x;
+        bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+        if (!ends && found) {
+            state.x.assign(x.begin(), x.end());
+            ends = equilibrium_->settle(shape_, load_case, bounds, state.x) && !wild(state);
+        }
+        if (ends) x = state.x, bounds = equilibrium_->allowed(shape_, x);
         found = softer == 1.0 ? ends : found || ends;
     }
     P.settings.eps_floor = floor;

@@ -49,6 +49,7 @@ class Furniture {
     const std::vector<CaseState>& states() const { return states_; }
     State state() { return {P, *equilibrium_, shape_, states_}; }
     int parts() const;
+    long steps() const;  // Newton's, of all equilibria so far
 
     // Sets the geometry to design parameters (8 a plank), or to the piece as it is.
     void set_shape(const double* gamma);

@@ -29,6 +29,7 @@ class ManySprings {
     // will do.
     bool decide(const double* gamma, double spread);
 
+    long steps() const { return model_.steps(); }
     int joints() const { return static_cast<int>(model_.piece().joints.size()); }
     int parameters() const { return freedoms * model_.piece().count(); }
 
