@@ -17,6 +17,7 @@ void bind_operator(py::module_&);
 void bind_increments(py::module_&);
 void bind_least_squares(py::module_&);
 void bind_mesh(py::module_&);
+void bind_motion(py::module_&);
 void bind_mesher(py::module_&);
 void bind_near_pairs(py::module_&);
 void bind_nested_cloth(py::module_&);
@@ -52,6 +53,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_increments(m);
     bind_least_squares(m);
     bind_mesh(m);
+    bind_motion(m);
     bind_mesher(m);
     bind_near_pairs(m);
     bind_nested_cloth(m);

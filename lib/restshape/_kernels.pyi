@@ -54,6 +54,7 @@ __all__: list[str] = [
     "interpolate_rows",
     "inverted_cells",
     "keep_border",
+    "lacking_forces",
     "largest_norm",
     "largest_size",
     "locate",
@@ -63,6 +64,7 @@ __all__: list[str] = [
     "matrix_products",
     "mean_at",
     "mean_value",
+    "momenta",
     "move_and_check",
     "moved_cells",
     "multiply_in_registers",
@@ -766,6 +768,20 @@ def keep_border(
     unknowns: typing.SupportsInt | typing.SupportsIndex,
     fields: typing.SupportsInt | typing.SupportsIndex,
 ) -> None: ...
+def lacking_forces(
+    old_X: numpy.typing.NDArray[numpy.float64],
+    old_cells: numpy.typing.NDArray[numpy.int32],
+    u: numpy.typing.NDArray[numpy.float64],
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    start: numpy.typing.NDArray[numpy.float64],
+    at: numpy.typing.NDArray[numpy.float64],
+    weights: numpy.typing.NDArray[numpy.float64],
+    found: numpy.typing.NDArray[numpy.int32],
+    values: numpy.typing.NDArray[numpy.float64],
+    moduli: numpy.typing.NDArray[numpy.float64],
+    means: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def largest_norm(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def largest_size(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def locate(
@@ -801,6 +817,17 @@ def mean_value(
     vertices: numpy.typing.NDArray[numpy.float64],
     segments: numpy.typing.NDArray[numpy.int32],
     values: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
+def momenta(
+    old_cells: numpy.typing.NDArray[numpy.int32],
+    v: numpy.typing.NDArray[numpy.float64],
+    X: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    at: numpy.typing.NDArray[numpy.float64],
+    weights: numpy.typing.NDArray[numpy.float64],
+    found: numpy.typing.NDArray[numpy.int32],
+    values: numpy.typing.NDArray[numpy.float64],
+    density: numpy.typing.NDArray[numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def move_and_check(
     X_reference: numpy.typing.NDArray[numpy.float64],

@@ -111,6 +111,8 @@ class LinearSolver:
         self.on_solved: Callable[[LinearReport | None], None] | None = None
         self.age, self.counts = -1, SolveCounts()
         self._begun = self._new = self._current = False
+        # Handle of the matrix whose pattern `factor_beside` has analysed.
+        self._analysed = 0
         self._rounding = math.inf
         self.scale: float | None = None
         self.decades = DECADES
@@ -269,6 +271,24 @@ class LinearSolver:
                 mat, None, f"{uses} solves with this matrix, worth {self.refresh.break_even:.3g} iterations", uses
             )
 
+    def factor_beside(self, mat: PETSc.Mat, uses: int) -> PETSc.PC | None:
+        """A complete factor of another matrix than those of the system that comes next, whose pattern it has.
+
+        The pattern is analysed once: the next `prepare` of a new system, for as many uses, makes numbers alone.
+        None where the system is to have another preconditioner, or this matrix has no factor.
+        """
+        if self.comm.size > 1 or self.method == "ilu":
+            return None
+        self._begin(mat, True, False, False, uses)
+        if self.kind != "cholesky":
+            return None
+        # Its work is the caller's: it is in no stage of this solver's.
+        self.kept.make(mat, None)
+        self.kept.note_kind()
+        # It serves none of the system's own matrices.
+        self.kept.ready, self._analysed = False, mat.handle
+        return None if self.kept.zero_pivots() else self.ksp.getPC()
+
     @property
     def factored(self) -> bool:
         """Whether there is a complete factor of the very matrix of the last solve, or of `prepare`, for `apply`."""
@@ -332,6 +352,9 @@ class LinearSolver:
         self._current = self._current and same_matrix and not grown
         if grown or new_system:
             grown = kept.measure(mat) or patched
+        if new_system and mat.handle == self._analysed:
+            self._analysed = 0
+            return
         if new_system or (kept.chooses and not kept.candidate):
             if self.projection:
                 self.projection.restart()

@@ -4,6 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.fem.space import Space
 from restshape.mesh.quadratic_basis import quadratic_basis
 from restshape.mesh.quadrature import SAMPLES
@@ -20,23 +21,46 @@ class CellSamples:
         old, new: the mesh before, and the new one of triangles of 3 or 6 nodes.
 
     Attributes:
-        weights: (q,) of the points, which sum to 1; values: (q, k), slopes: (q, k, 2) of the basis there.
+        at: (q, 2) reference coordinates of the points; weights: (q,) of them, which sum to 1.
+        values: (q, k), slopes: (q, k, 2) of the basis there.
     """
 
     def __init__(self, old: Space, new: Space) -> None:
         self.old, self.new = old, new
         points, self.weights = SAMPLES
-        x, y = points[:, 1:].T
+        self.at = np.ascontiguousarray(points[:, 1:])
         if new.cells.shape[1] == 6:
-            self.values, self.slopes = quadratic_basis(points[:, 1:])
+            self.values, self.slopes = quadratic_basis(self.at)
         else:
-            self.values = np.column_stack([1.0 - x - y, x, y])
-            self.slopes = np.broadcast_to(LINEAR_SLOPES, (len(points), 3, 2))
+            self.values, self.slopes = points, np.broadcast_to(LINEAR_SLOPES, (len(points), 3, 2))
 
     @cached_property
     def found(self) -> Transfer:
-        """Where they lie in the old mesh, the first points (ne,) of all cells before the second ones."""
-        return Transfer(self.old, (self.values @ self._nodal(self.new.X)).reshape(-1, 2))
+        """Where they lie in the old mesh, all points (q,) of the first cell before those of the others."""
+        X = self.values @ self._nodal(self.new.X)
+        return Transfer(self.old, X.reshape(len(X), -1, 2).transpose(1, 0, 2).reshape(-1, 2))
+
+    def lacking_forces(self, u: np.ndarray, start: np.ndarray, moduli: np.ndarray, means: np.ndarray) -> np.ndarray:
+        """Nodal forces (n, 2) [N] of the strains that `start` (n, 2) on the new mesh lacks beside u on the old one.
+
+        Args:
+            u, start: displacements [m].
+            moduli: (ne, 3) or (1, 3) Lame's two [Pa] and the thickness [m].
+            means: (ne_old,) of the dilatation of u over cells, where elements take its mean; else empty.
+        """
+        old, new, found = self.old, self.new, self.found
+        meshes = old.X, old.cells, u, new.X, new.cells, start
+        return _kernels.lacking_forces(*meshes, self.at, self.weights, found.cells, found.weights, moduli, means)
+
+    def momenta(self, v: np.ndarray, density: np.ndarray) -> np.ndarray:
+        """Integrals (n, 2) [kg m/s] of the new basis of second order times the momentum of v (n_old, 2) [m/s].
+
+        Args:
+            v: velocities of the old mesh.
+            density: (ne, 1) or (1,) mass an area [kg/m^2].
+        """
+        points = self.at, self.weights, self.found.cells, self.found.weights
+        return _kernels.momenta(self.old.cells, v, self.new.X, self.new.cells, *points, density)
 
     def along(self, field: np.ndarray) -> np.ndarray:
         """Slopes (q, 2, ne, f) of a field (n, f) on the new mesh along both directions of its cells."""
@@ -46,8 +70,3 @@ class CellSamples:
 
     def _nodal(self, field: np.ndarray) -> np.ndarray:
         return field[self.new.cells.T].reshape(self.new.cells.shape[1], -1)
-
-    def nodal_sums(self, shares: np.ndarray) -> np.ndarray:
-        """What cells give to their nodes, (n, 2), of shares (k, ne, 2)."""
-        nodes = self.new.cells.T.ravel()
-        return np.column_stack([np.bincount(nodes, shares[..., a].ravel(), len(self.new.X)) for a in (0, 1)])

@@ -3,6 +3,7 @@
 # More than 15 modules: here time steps, solver, projections and energies of a frame meet, a module each.
 import logging
 from dataclasses import replace
+from functools import partial
 from typing import Unpack, cast
 
 import numpy as np
@@ -198,7 +199,7 @@ class TransientAnalysis:
         # Where flips did not suffice they have moved nodes in the middle of edges, after this state.
         space = old.problem.space
         y, rates = (space.interpolate(field, space.interpolations) for field in (old.unknowns(now.y), now.v))
-        x, v = _brought(old, new, y, rates, before.integration.scheme.order == 2)
+        x, v = self._brought(old, y, rates, before.integration.scheme.order == 2)
         self.begin(x, v, now.time)
         account = before.account
         if account.known:
@@ -410,13 +411,28 @@ class TransientAnalysis:
             energy = before.energy(now.y, now.v)
             account = replace(account, edit=account.edit + (energy - account.last))
         second = state.integration.scheme.order == 2
-        x, v = _brought(before, body, before.unknowns(now.y), now.v, second)
+        x, v = self._brought(before, before.unknowns(now.y), now.v, second)
         log.info("Unknowns %s to %d nodes", "and velocities projected" if second else "interpolated", len(x))
         self._enter(x - body.problem.boundary.values, v, self.time)
         if account.known:
             last = self.energy()
             account = replace(account, last=last, remesh=account.remesh + (last - energy))
         self.state = replace(self.state, account=account)
+
+    def _brought(self, old: SemiDiscrete, x: np.ndarray, v: np.ndarray, second: bool) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns and rates (n, f) on a new mesh: projected where the problem is of second order in time.
+
+        Those of diffusion are interpolated, and their rates are new. The operator of the steps lends its pattern.
+        """
+        new, space = self.body, self.problem.space
+        if not second:
+            there = transfer(old.problem.space, space, x)
+            return there, np.zeros_like(there)
+        samples = CellSamples(old.problem.space, space)
+        shared = self.state.system.operator if self.context.comm.size == 1 else None
+        factor = partial(self.solver.factor_beside, uses=self.state.integration.steps)
+        there = project_displacement(old, new, x, samples, shared, factor)
+        return there, project_velocity(old.mass, new.mass, v, samples, shared)
 
     def _enter(self, y: np.ndarray, v: np.ndarray, time: float) -> None:
         """Make y and v the state, at rest where prescribed, with the acceleration that equilibrium asks for."""
@@ -550,17 +566,3 @@ class TransientAnalysis:
     def step_matrix(self) -> sp.csr_matrix:
         """The matrix of the last step as it stands, whole on every rank."""
         return gather_matrix(self.state.system.mat, self.context.comm)
-
-
-def _brought(
-    old: SemiDiscrete, new: SemiDiscrete, x: np.ndarray, v: np.ndarray, second: bool
-) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns and rates (n, f) on a new mesh: projected where the problem is of second order in time.
-
-    Those of diffusion are interpolated, and their rates are new.
-    """
-    if second:
-        samples = CellSamples(old.problem.space, new.problem.space)
-        return project_displacement(old, new, x, samples), project_velocity(old.mass, new.mass, v, samples)
-    there = transfer(old.problem.space, new.problem.space, x)
-    return there, np.zeros_like(there)

@@ -4,8 +4,9 @@ from typing import cast
 
 import numpy as np
 
+from restshape.algebra.operator import Operator
 from restshape.analysis.new_mesh_samples import CellSamples
-from restshape.fem.mass import MassMatrix
+from restshape.fem.mass import CONVERGED, ConsistentMass, MassMatrix
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import Transfer
 
@@ -14,7 +15,13 @@ ROUGH = 1e-3
 missing, which is little."""
 
 
-def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray, samples: CellSamples | None = None) -> np.ndarray:
+def project_velocity(
+    old: MassMatrix,
+    new: MassMatrix,
+    v: np.ndarray,
+    samples: CellSamples | None = None,
+    operator: Operator | None = None,
+) -> np.ndarray:
     """Velocities (n_new, 2) [m/s] on a new mesh: the projection of v with the mass matrix, with v's momentum.
 
     M_new v_new = integral of N_new rho v, on the new mesh by the rule of the three edge midpoints, of second order by
@@ -26,16 +33,18 @@ def project_velocity(old: MassMatrix, new: MassMatrix, v: np.ndarray, samples: C
         old, new: on the mesh before and on the new one.
         v: (n_old, 2) velocities [m/s].
         samples: of both meshes, which second order needs; None: they are made.
+        operator: with the pattern of the new mesh, whose matrix this changes; None: one is made.
 
     Source: docs/theory/solids.md.
     """
     mesh = new.space
     if mesh.cells.shape[1] == 6:
-        load = _quadratic_load(samples or CellSamples(old.space, mesh), new.params, v)
+        load = (samples or CellSamples(old.space, mesh)).momenta(np.ascontiguousarray(v), new.params)
     else:
         load = _linear_load(old, new, v)
-    projected = new.solve(load, consistent=True)
-    uniform = new.solve(new.apply(np.ones_like(mesh.X)), consistent=True, tolerance=ROUGH)
+    inertia, free = ConsistentMass(new.problem, operator), new.problem.boundary.mask == 0
+    projected = inertia.solve(load * free, CONVERGED)
+    uniform = inertia.solve(new.apply(np.ones_like(mesh.X)) * free, ROUGH)
     missing, reach = old.momentum(v) - new.momentum(projected), new.momentum(uniform)
     return projected + uniform * np.divide(missing, reach, out=np.zeros(2), where=reach > 0)
 
@@ -54,12 +63,3 @@ def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     n = len(mesh.X)
     parts = [middle[:, a] * at_edges for a in (0, 1)]
     return np.column_stack([np.bincount(starts, part, n) + np.bincount(ends, part, n) for part in parts])
-
-
-def _quadratic_load(samples: CellSamples, density: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Integral of N_new rho v (n_new, 2) on triangles of second order; mass an area (1,), or (ne, 1)."""
-    (xa, ya), (xb, yb) = samples.along(samples.new.X).transpose(1, 3, 0, 2)
-    mass = 0.5 * samples.weights[:, None] * (xa * yb - ya * xb) * density.T
-    velocity = samples.found(v).reshape(*mass.shape, 2)
-    momenta = (mass[..., None] * velocity).reshape(len(mass), -1)
-    return samples.nodal_sums((samples.values.T @ momenta).reshape(6, -1, 2))

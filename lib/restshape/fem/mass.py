@@ -76,12 +76,15 @@ class ConsistentMass:
 
     Args:
         problem: with integrals of the kind `CONSISTENT`, on a space whose nodes may move and whose edges may flip.
+        operator: with the pattern of the space as it is, which others use before and after; None: one of its own.
     """
 
-    def __init__(self, problem: SteadyProblem) -> None:
+    def __init__(self, problem: SteadyProblem, operator: Operator | None = None) -> None:
         shape = problem.boundary.mask.shape
         self._problem, self._topology, self._places = problem, -1, np.zeros(0)
-        self._operator = Operator(PETSc.COMM_SELF, shape[1], np.array([0, shape[0]], dtype=np.int32))
+        self._operator = operator or Operator(PETSc.COMM_SELF, shape[1], np.array([0, shape[0]], dtype=np.int32))
+        if operator:
+            self._topology = problem.space.topology
         self._right, self._way = np.zeros(shape), np.zeros(shape)
         self._b, self._x = (PETSc.Vec().createWithArray(own, comm=PETSc.COMM_SELF) for own in (self._right, self._way))
         self._ksp = PETSc.KSP().create(PETSc.COMM_SELF)
