@@ -91,8 +91,9 @@ void bind_near_pairs(py::module_& m) {
         .def("crossed", &crossed, "x"_a,
              "Numbers (k,) of the triangles that edges without a common node, or sewn ones, pass through at x (n, 3) "
              "[m].")
-        .def(
-            "step_share", &step_share, "x"_a, "d"_a, "reach"_a = 0.0,
-            "The share, at most 1, of the way from x (n, 3) along d (n, 3) [m] on which no such pair meets: each comes "
-            "nearer by nine tenths at most. Searches on that way are within the reach [m] by what was found there.");
+        .def("step_share", &step_share, "x"_a, "d"_a, "reach"_a = 0.0,
+             "The share, at most 1, of the way from x (n, 3) along d (n, 3) [m] on which no such pair meets: each that "
+             "comes "
+             "within the reach [m] comes nearer by nine tenths at most. Searches on that way are by what was found "
+             "there.");
 }

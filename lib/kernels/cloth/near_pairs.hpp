@@ -1,7 +1,6 @@
 // Which parts of a sheet may come near each other on a straight way: edges and edges, triangles and nodes.
 //
-// Trees of boxes over the flat sheet are made once and fitted to each way: what is near in the sheet stays near in
-// space. Source: Ericson, Real-Time Collision Detection, 2005, 5.1 (distances) and 6.6 (refitting).
+// Source: docs/theory/cloth.md.
 #pragma once
 
 #include <algorithm>
@@ -12,203 +11,10 @@
 #include <utility>
 #include <vector>
 
+#include "cloth/box_tree.hpp"
+#include "cloth/part_distance.hpp"
+
 namespace restshape {
-
-struct Point3 {
-    double x, y, z;
-    Point3 operator+(const Point3& o) const { return {x + o.x, y + o.y, z + o.z}; }
-    Point3 operator-(const Point3& o) const { return {x - o.x, y - o.y, z - o.z}; }
-    Point3 operator*(double s) const { return {x * s, y * s, z * s}; }
-    double dot(const Point3& o) const { return x * o.x + y * o.y + z * o.z; }
-    Point3 cross(const Point3& o) const { return {y * o.z - z * o.y, z * o.x - x * o.z, x * o.y - y * o.x}; }
-    double norm() const { return std::sqrt(dot(*this)); }
-};
-
-inline double share(double value) { return std::min(std::max(value, 0.0), 1.0); }
-
-// Of the segments from a to b and from c to d.
-inline double segment_distance(const Point3& a, const Point3& b, const Point3& c, const Point3& d) {
-    const Point3 u = b - a, v = d - c, w = a - c;
-    const double uu = u.dot(u), vv = v.dot(v), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
-    const double square = uu * vv - uv * uv;
-    double s = square > 0 ? share((uv * vw - vv * uw) / square) : 0.0;
-    double t = vv > 0 ? (uv * s + vw) / vv : 0.0;
-    if (t < 0 || t > 1) {
-        t = share(t);
-        s = uu > 0 ? share((uv * t - uw) / uu) : 0.0;
-    }
-    return (w + u * s - v * t).norm();
-}
-
-// Of a point from the triangle a b c.
-inline double triangle_distance(const Point3& p, const Point3& a, const Point3& b, const Point3& c) {
-    const Point3 u = b - a, v = c - a, w = p - a;
-    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), uw = u.dot(w), vw = v.dot(w);
-    const double square = uu * vv - uv * uv;
-    if (square > 0) {
-        const double s = (vv * uw - uv * vw) / square, t = (uu * vw - uv * uw) / square;
-        if (s >= 0 && t >= 0 && s + t <= 1) return (w - u * s - v * t).norm();
-    }
-    return std::min({segment_distance(p, p, a, b), segment_distance(p, p, b, c), segment_distance(p, p, c, a)});
-}
-
-// Whether the segment from p to q passes through the triangle a b c, by more than a 1e9th of either. One that lies in
-// the triangle's plane, but for rounding, does not.
-// Source: Möller and Trumbore, Journal of Graphics Tools 2(1), 1997, 21.
-inline bool passes_through(const Point3& p, const Point3& q, const Point3& a, const Point3& b, const Point3& c) {
-    constexpr double slack = 1e-9, flat = 1e-12;
-    const Point3 way = q - p, first = b - a, second = c - a, offset = p - a;
-    const Point3 normal = way.cross(second), turned = offset.cross(first);
-    const double volume = first.dot(normal);
-    if (!(std::abs(volume) > flat * way.norm() * first.cross(second).norm())) return false;
-    const double u = offset.dot(normal) / volume, v = way.dot(turned) / volume, t = second.dot(turned) / volume;
-    return std::min({u, v, 1 - u - v, t, 1 - t}) > slack;
-}
-
-// Four numbers each, the last ones zero, so that compilers compare them at once.
-struct Box {
-    double low[4], high[4];
-    void hold(const Box& o) {
-        for (int a = 0; a < 4; ++a) {
-            low[a] = std::min(low[a], o.low[a]);
-            high[a] = std::max(high[a], o.high[a]);
-        }
-    }
-    bool meets(const Box& o) const {
-        int apart = 0;
-        for (int a = 0; a < 4; ++a)
-            apart |= static_cast<int>(low[a] > o.high[a]) | static_cast<int>(o.low[a] > high[a]);
-        return !apart;
-    }
-};
-
-// A binary tree over items of so many nodes each; children have larger numbers than their parents.
-class BoxTree {
- public:
-    BoxTree(const int32_t* nodes, int count, int width, const double* X)
-        : width_(width), nodes_(nodes, nodes + count * width) {
-        std::vector<std::array<double, 2>> middle(count, {0.0, 0.0});
-        for (int i = 0; i < count * width; ++i)
-            for (int a = 0; a < 2; ++a) middle[i / width][a] += X[2 * nodes[i] + a];
-        order_.resize(count);
-        std::iota(order_.begin(), order_.end(), 0);
-        boxes_.resize(count);
-        if (count) split(0, count, middle);
-    }
-
-    // Boxes around the nodes, or their ways, wider by a margin on each side, and by the most room of a node.
-    void fit(const Point3* from, const Point3* way, double margin, const double* room = nullptr) {
-        for (size_t i = 0; i < boxes_.size(); ++i) boxes_[i] = around(static_cast<int>(i), from, way, margin, room);
-        for (size_t k = branches_.size(); k-- > 0;) {
-            Branch& b = branches_[k];
-            b.box = b.left ? branches_[b.left].box : boxes_[order_[b.first]];
-            if (b.left)
-                b.box.hold(branches_[b.right].box);
-            else
-                for (int i = b.first + 1; i < b.end; ++i) b.box.hold(boxes_[order_[i]]);
-        }
-    }
-
-    int count() const { return static_cast<int>(boxes_.size()); }
-    const int32_t* item(int i) const { return nodes_.data() + i * width_; }
-
-    double most_of(const double* values, int i) const {
-        double most = values[item(i)[0]];
-        for (int k = 1; k < width_; ++k) most = std::max(most, values[item(i)[k]]);
-        return most;
-    }
-
-    // Calls found(i, j) for pairs of different items of this tree, each once.
-    template <class Found>
-    void with_itself(const Found& found) const {
-        if (!branches_.empty()) itself(0, found);
-    }
-    // Calls found(i, j) for items i of this tree and j of another one.
-    template <class Found>
-    void with(const BoxTree& other, const Found& found) const {
-        if (!branches_.empty() && !other.branches_.empty()) both(0, other, 0, found);
-    }
-
- private:
-    static constexpr int leaf = 4;
-    struct Branch {
-        int first, end, left = 0, right = 0;
-        Box box{};
-        Branch(int from, int to) : first(from), end(to) {}
-    };
-
-    int split(int first, int end, const std::vector<std::array<double, 2>>& middle) {
-        const int number = static_cast<int>(branches_.size());
-        branches_.emplace_back(first, end);
-        if (end - first <= leaf) return number;
-        std::array<double, 2> low = middle[order_[first]], high = low;
-        for (int i = first; i < end; ++i)
-            for (int a = 0; a < 2; ++a) {
-                low[a] = std::min(low[a], middle[order_[i]][a]);
-                high[a] = std::max(high[a], middle[order_[i]][a]);
-            }
-        const int axis = high[1] - low[1] > high[0] - low[0], half = (first + end) / 2;
-        std::nth_element(order_.begin() + first, order_.begin() + half, order_.begin() + end, [&](int i, int j) {
-            return std::make_pair(middle[i][axis], i) < std::make_pair(middle[j][axis], j);
-        });
-        const int left = split(first, half, middle), right = split(half, end, middle);
-        branches_[number].left = left;
-        branches_[number].right = right;
-        return number;
-    }
-
-    Box around(int i, const Point3* from, const Point3* way, double margin, const double* room) const {
-        if (room) margin += most_of(room, i);
-        Box box{{INFINITY, INFINITY, INFINITY, 0.0}, {-INFINITY, -INFINITY, -INFINITY, 0.0}};
-        for (int k = 0; k < width_; ++k) {
-            const Point3 &p = from[item(i)[k]], q = way ? p + way[item(i)[k]] : p;
-            box.hold({{std::min(p.x, q.x), std::min(p.y, q.y), std::min(p.z, q.z), 0.0},
-                      {std::max(p.x, q.x), std::max(p.y, q.y), std::max(p.z, q.z), 0.0}});
-        }
-        for (int a = 0; a < 3; ++a) {
-            box.low[a] -= margin;
-            box.high[a] += margin;
-        }
-        return box;
-    }
-
-    template <class Found>
-    void itself(int k, const Found& found) const {
-        const Branch& b = branches_[k];
-        if (b.left) {
-            itself(b.left, found);
-            itself(b.right, found);
-            both(b.left, *this, b.right, found);
-            return;
-        }
-        for (int i = b.first; i < b.end; ++i)
-            for (int j = i + 1; j < b.end; ++j)
-                if (boxes_[order_[i]].meets(boxes_[order_[j]])) found(order_[i], order_[j]);
-    }
-
-    template <class Found>
-    void both(int k, const BoxTree& other, int l, const Found& found) const {
-        const Branch &b = branches_[k], &c = other.branches_[l];
-        if (!b.box.meets(c.box)) return;
-        if (!b.left && !c.left) {
-            for (int i = b.first; i < b.end; ++i)
-                for (int j = c.first; j < c.end; ++j)
-                    if (boxes_[order_[i]].meets(other.boxes_[other.order_[j]])) found(order_[i], other.order_[j]);
-        } else if (b.left && (!c.left || b.end - b.first >= c.end - c.first)) {
-            both(b.left, other, l, found);
-            both(b.right, other, l, found);
-        } else {
-            both(k, other, c.left, found);
-            both(k, other, c.right, found);
-        }
-    }
-
-    int width_;
-    std::vector<int32_t> nodes_;
-    std::vector<int> order_;
-    std::vector<Branch> branches_;
-    std::vector<Box> boxes_;
-};
 
 // Pairs without a common node that are within a reach of each other, and ways on which none of them meets.
 class NearPairs {
@@ -257,8 +63,7 @@ class NearPairs {
 
     // Triangles that edges without a common or sewn node pass through, in order.
     std::vector<int32_t> crossed(const Point3* x) {
-        edges_.fit(x, nullptr, 0.0);
-        cells_.fit(x, nullptr, 0.0);
+        fit(x, nullptr, 0.0);
         std::vector<char> hit(cells_.count(), 0);
         edges_.with(cells_, [&](int i, int j) {
             const int32_t *edge = edges_.item(i), *cell = cells_.item(j);
@@ -271,8 +76,8 @@ class NearPairs {
         return found;
     }
 
-    // The share of a way, at most 1, on which no pair meets: each comes nearer by nine tenths at most. Keeps what may
-    // come within a reach on that way, or around it.
+    // The share of a way, at most 1, on which no pair meets: each that comes within a reach comes nearer by nine tenths
+    // at most. Keeps what may come within the reach on that way, or around it.
     double share_of(const Point3* from, const Point3* way, double reach) {
         const double most = settle(from, way, reach);
         return most < INFINITY ? share_at_home(from, way, most) : share_on(from, way, reach);
@@ -318,13 +123,13 @@ class NearPairs {
                                                         double most, double reach) const {
         const int32_t *a = edges_.item(i), *b = edges_.item(j), four[4] = {a[0], a[1], b[0], b[1]};
         return advanced<2>(from, way, four, most, reach,
-                           [](const Point3* x) { return segment_distance(x[0], x[1], x[2], x[3]); });
+                           [](const Point3* x) { return segment_way(x[0], x[1], x[2], x[3]); });
     }
     [[gnu::noinline]] std::pair<double, bool> cell_met(const Point3* from, const Point3* way, int i, int32_t node,
                                                        double most, double reach) const {
         const int32_t *a = cells_.item(i), four[4] = {a[0], a[1], a[2], node};
         return advanced<3>(from, way, four, most, reach,
-                           [](const Point3* x) { return triangle_distance(x[3], x[0], x[1], x[2]); });
+                           [](const Point3* x) { return triangle_way(x[3], x[0], x[1], x[2]) * -1.0; });
     }
 
     struct Neighbour {
@@ -378,7 +183,7 @@ class NearPairs {
         const double* room = room_.data();
         home_edges_.clear();
         home_cells_.clear();
-        for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(x, nullptr, 0.5 * reach, room);
+        fit(x, nullptr, 0.5 * reach, room);
         edges_.with_itself([&](int i, int j) {
             const double d = edges_apart(x, i, j);
             if (d < reach + edges_.most_of(room, i) + edges_.most_of(room, j)) home_edges_.push_back({d, i, j});
@@ -412,8 +217,12 @@ class NearPairs {
         return sum * (1.0 / std::max(nodes_.count(), 1));
     }
 
-    void fit(const Point3* from, const Point3* way, double margin) {
-        for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(from, way, margin);
+    // Boxes around parts, or their ways, wider by a margin on each side, and by the room of their nodes.
+    void fit(const Point3* from, const Point3* way, double margin, const double* room = nullptr) {
+        boxes_.resize(nodes_.count());
+        for (int i = 0; i < nodes_.count(); ++i)
+            boxes_[i] = Box::around(from[i], way ? from[i] + way[i] : from[i], margin + (room ? room[i] : 0.0));
+        for (BoxTree* tree : {&edges_, &cells_, &nodes_}) tree->fit(boxes_.data());
     }
 
     // Whether edges, or a triangle and a node, have a common node, or nodes that are sewn together.
@@ -441,12 +250,12 @@ class NearPairs {
     // Infinite where they are joined.
     double edges_apart(const Point3* at, int i, int j) const {
         const int32_t *a = edges_.item(i), *b = edges_.item(j);
-        return joined(a, b) ? INFINITY : segment_distance(at[a[0]], at[a[1]], at[b[0]], at[b[1]]);
+        return joined(a, b) ? INFINITY : segment_way(at[a[0]], at[a[1]], at[b[0]], at[b[1]]).norm();
     }
     double cell_apart(const Point3* at, int i, int32_t node) const {
         const int32_t* a = cells_.item(i);
         if (joined(a, node)) return INFINITY;
-        return triangle_distance(at[node], at[a[0]], at[a[1]], at[a[2]]);
+        return triangle_way(at[node], at[a[0]], at[a[1]], at[a[2]]).norm();
     }
 
     // Whether what the last way has found is all that is within a reach at a place beside it.
@@ -470,9 +279,9 @@ class NearPairs {
     // they may come within a reach on all of it. Distances change by no more than the parts move relative to each
     // other, so that steps of a part of them are safe. Source: Li, Kaufman and Jiang, ACM TOG 40(4) (2021) 170,
     // algorithm 1. What is found does not depend on `most` where that is larger: pairs may be taken in any order.
-    template <int first, class Distance>
+    template <int first, class Between>
     static std::pair<double, bool> advanced(const Point3* from, const Point3* way, const int32_t* four, double most,
-                                            double reach, const Distance& distance) {
+                                            double reach, const Between& between) {
         Point3 x[4], d[4], mean{0, 0, 0};
         for (int k = 0; k < 4; ++k) {
             x[k] = from[four[k]];
@@ -485,15 +294,18 @@ class NearPairs {
             fastest[k >= first] = std::max(fastest[k >= first], d[k].dot(d[k]));
         }
         const double speed = std::sqrt(fastest[0]) + std::sqrt(fastest[1]);
-        double apart = distance(x);
+        Point3 off = between(x);
+        double apart = off.norm();
         const bool near = apart < reach + speed;
         if ((1.0 - left) * apart >= speed * most || speed == 0.0) return {most, near};
         const double least = left * apart;
         double gone = 0.0;
         for (int steps = 0; steps < most_steps; ++steps) {
-            const double step = (1.0 - left) * apart / speed;
+            if (stay_apart<first>(x, d, 1.0 - gone, off, least)) return {most, near};
+            const double step = std::min((1.0 - left) * apart / speed, 1.0 - gone);
             for (int k = 0; k < 4; ++k) x[k] = x[k] + d[k] * step;
-            apart = distance(x);
+            off = between(x);
+            apart = off.norm();
             if (gone > 0.0 && apart < least) return {gone, near};
             gone += step;
             if (gone >= most) return {most, near};
@@ -502,8 +314,28 @@ class NearPairs {
         return {gone, near};
     }
 
+    // Whether the first few of four nodes stay at least so far from the others along one direction, at both ends of the
+    // rest of the way, and so on all of it.
+    template <int first>
+    static bool stay_apart(const Point3* x, const Point3* d, double rest, const Point3& off, double least) {
+        const double goal = least * off.norm();
+        for (const double t : {0.0, rest}) {
+            double low = INFINITY, high = -INFINITY;
+            for (int k = 0; k < 4; ++k) {
+                const double height = off.dot(x[k] + d[k] * t);
+                if (k < first)
+                    low = std::min(low, height);
+                else
+                    high = std::max(high, height);
+            }
+            if (!(low - high > goal)) return false;
+        }
+        return true;
+    }
+
     static constexpr int most_steps = 10000;  // of an advance: what is left of the way is not gone
     BoxTree edges_, cells_, nodes_;
+    std::vector<Box> boxes_;  // of the nodes
     // Numbers of nodes, and of each those that are sewn to it; empty where there are no seams.
     std::vector<int32_t> of_, start_of_, sewn_;
     // The last way, and what may come within a reach on it.
