@@ -46,6 +46,7 @@ class Furniture:
             gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
             spread: typing.SupportsFloat | typing.SupportsIndex,
         ) -> bool: ...
+        def forget(self) -> None: ...
         def test(
             self,
             gamma: typing.Annotated[numpy.typing.ArrayLike, numpy.float64] | None = None,

@@ -228,6 +228,8 @@ class Design:
         """The parts of a direction's valid ranges where what does not count overloads a joint or a plank, an end is
         free, or compliances that nobody knows decide."""
         least, found = NARROW * (design_direction.high - design_direction.low), []
+        # What is found depends on this direction alone, not on those before it.
+        self._models.forget()
 
         def clear(t: float) -> bool:
             gamma = t * design_direction.direction

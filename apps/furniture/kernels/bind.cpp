@@ -268,6 +268,7 @@ void bind_many_springs(py::class_<Furniture>& c) {
             "gamma"_a, "spread"_a,
             "Whether the piece bears its loads with some of the springs alone, by reason of a joint whose utilisation "
             "differs by more than `spread`.")
+        .def("forget", &ManySprings::forget, "Lets the next equilibria that decide be found from rest.")
         .def_property_readonly("steps", &ManySprings::steps, "Newton's steps of all equilibria so far.")
         .def("test", &tested, "gamma"_a = py::none(), "ending"_a = 0,
              "Flaws (bits), the largest utilisation (m, j) of each joint over all cases, and whether some case is left "

@@ -125,6 +125,13 @@ void Furniture::forget() {
     for (CaseState& state : states_) std::fill(state.x.begin(), state.x.end(), 0.0), state.found = false;
 }
 
+void Furniture::exchange(std::vector<CaseState>& others) {
+    for (size_t c = 0; c < states_.size(); ++c) {
+        std::swap(states_[c].x, others[c].x), std::swap(states_[c].law, others[c].law);
+        std::swap(states_[c].found, others[c].found), std::swap(states_[c].close, others[c].close);
+    }
+}
+
 void Furniture::set_state(int load_case, const double* x, Law law) {
     CaseState& state = states_[load_case];
     state.x.assign(x, x + 6 * P.count());
@@ -165,9 +172,13 @@ void Furniture::equilibrate(int load_case) {
     CaseState& state = states_[load_case];
     const bool balanced = state.unbalanced_load <= balance_tolerance;
     state.sprung = false;
-    if (state.found && state.law == Law::unilateral && balanced &&
-        equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state))
-        return;
+    if (state.found && state.law == Law::unilateral && balanced) {
+        equilibrium_->look_close(state.close);
+        const bool ends = equilibrium_->solve(shape_, load_case, Law::unilateral, state.x) >= 0 && !wild(state);
+        equilibrium_->look_close(false);
+        if (ends) return;
+    }
+    state.close = false;
     if (!state.found || state.law == Law::unilateral) std::fill(state.x.begin(), state.x.end(), 0.0);
     state.law = Law::bilateral;
     state.found = equilibrium_->solve(shape_, load_case, Law::bilateral, state.x) >= 0 && !wild(state);
@@ -178,6 +189,7 @@ void Furniture::equilibrate(int load_case) {
         equilibrium_->look_close(true);
         ends = stiffen(load_case) || ease(load_case, kept);
         equilibrium_->look_close(false);
+        state.close = ends;
     }
     if (ends) {
         state.law = Law::unilateral;

@@ -88,6 +88,9 @@ class Furniture {
 
     void forget();
 
+    // Changes the equilibria that are known for others, from which the next ones are found.
+    void exchange(std::vector<CaseState>& others);
+
     // Sets the state of a case from elsewhere.
     void set_state(int load_case, const double* x, Law law);
 

@@ -33,7 +33,10 @@ struct Spread {
 }  // namespace
 
 ManySprings::ManySprings(Piece piece, std::vector<Springs> springs)
-    : model_(std::move(piece)), springs_(std::move(springs)), order_(springs_.size()) {
+    : model_(std::move(piece)),
+      springs_(std::move(springs)),
+      order_(springs_.size()),
+      known_(springs_.size(), model_.states()) {
     std::iota(order_.begin(), order_.end(), 0);
 }
 
@@ -44,7 +47,11 @@ ManySprings::Found ManySprings::test(const double* gamma, int ending) {
     for (const Springs& springs : springs_) {
         DesignCheck check = held;
         std::vector<double> utilisations(joints(), 0.0);
-        if (goes_on) bear(springs, check, utilisations);
+        if (goes_on) {
+            set(springs);
+            model_.forget();
+            model_.bear(check, &utilisations);
+        }
         found.flaws.push_back(check.flaws & every_flaw);
         found.utilisations.push_back(std::move(utilisations));
         found.sprung.push_back(check.sprung);
@@ -69,7 +76,10 @@ bool ManySprings::decide(const double* gamma, double spread) {
         }
         DesignCheck check;
         std::vector<double> utilisations(joints(), 0.0);
-        bear(springs, check, utilisations);
+        set(springs);
+        model_.exchange(known_[order_[k]]);
+        model_.bear(check, &utilisations);
+        model_.exchange(known_[order_[k]]);
         if (check.flaws & unbalanced) return false;
         any_solved = any_solved || !check.sprung;
         (check.sprung ? sprung : solved).add(check, utilisations);
@@ -78,10 +88,9 @@ bool ManySprings::decide(const double* gamma, double spread) {
     return (any_solved ? solved : sprung).decides(spread);
 }
 
-void ManySprings::bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations) {
-    set(springs);
-    model_.forget();
-    model_.bear(check, &utilisations);
+void ManySprings::forget() {
+    for (auto& cases : known_)
+        for (CaseState& state : cases) state.found = false;
 }
 
 }  // namespace restshape::planks

@@ -25,9 +25,12 @@ class ManySprings {
     Found test(const double* gamma, int ending);
 
     // Whether some of the springs alone let a piece at design parameters (8 a plank) bear its loads, by reason of a
-    // joint whose utilisation differs by more than `spread`. Each equilibrium is found from rest, and fewer where that
-    // will do.
+    // joint whose utilisation differs by more than `spread`. Each equilibrium is found from the last one with the same
+    // springs, and fewer where that will do.
     bool decide(const double* gamma, double spread);
+
+    // Lets the next ones be found from rest.
+    void forget();
 
     long steps() const { return model_.steps(); }
     int joints() const { return static_cast<int>(model_.piece().joints.size()); }
@@ -38,8 +41,7 @@ class ManySprings {
     std::vector<Springs> springs_;
     std::vector<int> order_;  // in which springs are tried to decide: first those that did so last
 
-    // Equilibria of the shape that is held, found from rest, and what joints bear.
-    void bear(const Springs& springs, DesignCheck& check, std::vector<double>& utilisations);
+    std::vector<std::vector<CaseState>> known_;  // with each of the springs
 
     void set(const Springs& springs) { model_.set_compliance(springs.eps_t, springs.eps_r, springs.eps_floor); }
 };

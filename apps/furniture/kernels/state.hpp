@@ -14,6 +14,7 @@ struct CaseState {
     std::vector<double> x;     // 6 a plank
     Law law = Law::bilateral;  // that x is an equilibrium of
     bool found = false;
+    bool close = false;            // it took the stiffness of close looks
     bool sprung = false;           // springs that also pull took the place of one-sided contacts that were not solved
     double unbalanced_load = 0.0;  // the part of the load that contacts cannot balance
 };

@@ -113,9 +113,16 @@ class ComplianceModels:
         )
         self._springs = _springs(furniture, [tried[k] for k in outside_in])
 
+    def forget(self) -> None:
+        """Let the next equilibria be found from rest."""
+        self._springs.forget()
+
     def decide(self, gamma: np.ndarray) -> bool:
         """Whether the compliance of redundant joints decides if the piece, valid at design parameters (n, 8), bears its
-        loads: `utilisation_range` of the piece there has findings then."""
+        loads: `utilisation_range` of the piece there has findings then.
+
+        Equilibria are found from those of the last call: one that is near is soon answered.
+        """
         return self._springs.decide(gamma, SPREAD)
 
 

@@ -220,3 +220,23 @@ def test_models_of_a_piece_decide_as_the_models_of_each_change_of_it_do() -> Non
     for turn, before in zip(np.linspace(0.2, 0.07, 8), reversed(said)):
         gamma[piece.index("leg-4"), 4] = turn
         assert models.decide(gamma) == before
+
+
+def test_neighbours_along_a_way_are_decided_in_few_steps_and_alike() -> None:
+    # The contacts of the place before are nearly those of the next one.
+    piece = drawn("table")
+    furniture, gamma, leg = Furniture(piece), np.zeros((len(piece.planks), 8)), piece.index("leg-4")
+    near, rest, answers = ComplianceModels(furniture), ComplianceModels(furniture), []
+    for gamma[leg, 4] in np.linspace(0.07, 0.2, 27):
+        rest.forget()
+        answers.append((near.decide(gamma), rest.decide(gamma)))
+    assert all(one == other for one, other in answers) and len({one for one, _ in answers}) == 2
+    assert near._springs.steps < 0.7 * rest._springs.steps
+    # Nothing is left of the places before once they are forgotten.
+    near.forget()
+    before = near._springs.steps
+    near.decide(gamma)
+    rest.forget()
+    of_rest = rest._springs.steps
+    rest.decide(gamma)
+    assert near._springs.steps - before == rest._springs.steps - of_rest
