@@ -6,7 +6,7 @@ import pytest
 
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import si
-from restshape.scene.expressions import Expression
+from restshape.scene.expressions import Expression, NoFormula
 from restshape.scene.units import DIMENSIONS, EXAMPLES, UnitError, length_unit, quantity, reads_as_quantity, unit
 
 
@@ -77,6 +77,20 @@ def test_text_becomes_si(text, dimension, si):
 def test_wrong_dimension_names_both():
     with pytest.raises(UnitError, match="is a length, but a pressure is wanted"):
         quantity("12 mm", "pressure")
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"), [("\u2212100 N", "minus sign of the keyboard"), ("-100,5 N", "decimal point, as in 2.5")]
+)
+def test_signs_of_word_processors_and_decimal_commas_have_a_remedy(text: str, remedy: str):
+    with pytest.raises(NoFormula) as caught:
+        Expression(text)
+    assert remedy in caught.value.do
+
+
+def test_both_letters_for_micro_are_read():
+    assert quantity("5000 \u03bcm", "length") == quantity("5000 \u00b5m", "length") == pytest.approx(5e-3)
+    assert float(Expression("1 \u03bcm + 1 mm").evaluate(0.0, 0.0, {})) == pytest.approx(1.001e-3)
 
 
 def test_an_angle_is_no_number():

@@ -17,6 +17,8 @@ COLD = 150.0
 """Temperature [K] below which a number without a unit is rather one in degrees Celsius."""
 SHAPES = ("shape", "bodies", "start")
 """Tables whose lengths make the size that others are measured by, or lie anywhere."""
+PLACES = ("at", "move", "about")
+"""Keys of panels that say where these lie, which is anywhere as well."""
 
 
 def bare_numbers(scene: Scene, size: float) -> list[str]:
@@ -79,9 +81,15 @@ def _doubt(key: str, dimension: str | None, written: Any, size: float) -> Iterat
             choice = f'"{value:g} degC" or "{value:g} K"'
             celsius = f"{value - 273.15:.4g} degC"
             yield f"{key}: a temperature without a unit is in K, and {value:g} K is {celsius}: {choice}?"
-        elif dimension == "length" and abs(value) > size and key.partition(".")[0] not in (*SHAPES, "material"):
+        elif dimension == "length" and abs(value) > size and _is_measured(key):
             choice = f'"{value:g} mm" or "{value:g} m"'
             yield (
                 f"{key}: a length without a unit is in metres, and {value:g} m is more than the {size:.3g} m of the "
                 f"whole shape: {choice}?"
             )
+
+
+def _is_measured(key: str) -> bool:
+    """Whether a length of the scene is one that the size of the shape bounds."""
+    table, _, rest = key.partition(".")
+    return table not in (*SHAPES, "material") and not (table == "panels" and rest.rpartition(".")[2] in PLACES)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Collection, Mapping, Sequence
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, TypeVar
@@ -40,6 +41,9 @@ COORDINATES = ("x", "y")
 PLACES_AND_TIME = (*COORDINATES, "t")
 CONSTANTS = {"pi": np.pi}
 MAX_DEPTH = 100
+DASHES = "\u2212\u2013\u2014"
+"""Minus sign and dashes of typesetting."""
+DECIMAL_COMMA = re.compile(r"\d,\d")
 NO_BUILTINS: dict[str, dict[str, object]] = {"__builtins__": {}}
 """What formulas know besides their names: nothing."""
 STEPS = (1.3e-6, 1.3e-9, 1.3e-12)
@@ -249,12 +253,19 @@ def parsed(text: str, marked: bool = False) -> ast.expr:
     try:
         return ast.parse(plain.strip().replace("^", "**"), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise NoFormula(f"{quoted(text)} is not a formula") from error
+        raise NoFormula(f"{quoted(text)} is not a formula", _as_typed(text)) from error
 
 
 def _no_formula(text: str) -> NoFormula:
     do = f"use + - * / ^, numbers, x, y, pi, parameters and {', '.join(FUNCTIONS)}"
-    return NoFormula(f"{quoted(text)} holds something that formulas may not hold", do)
+    return NoFormula(f"{quoted(text)} holds something that formulas may not hold", _as_typed(text) or do)
+
+
+def _as_typed(text: str) -> str:
+    """What to write in place of signs that word processors and other languages put into numbers; empty without any."""
+    if any(dash in text for dash in DASHES):
+        return "write the minus sign of the keyboard, -"
+    return "write a decimal point, as in 2.5" if DECIMAL_COMMA.search(text) else ""
 
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:

@@ -90,7 +90,7 @@ SYMBOLS = {
 DECLARED_IN: dict[str, str] = dict.fromkeys(DIMENSIONS, __name__)
 """Modules that dimensions are declared in."""
 
-PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2}
+PREFIXES = {"": 1.0, "p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2}
 PREFIXES |= {"k": 1e3, "M": 1e6, "G": 1e9, "T": 1e12}
 
 PREFIXED: dict[str, tuple[float, Powers]] = {
@@ -151,10 +151,10 @@ KNOWN_UNITS = (
 
 NUMBER_UNIT = re.compile(
     r"\s*([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
-    r"\s*((?:(?<=\s)1/)?(?![eE][+-]?\d)[A-Za-zµ°%](?:[\w\sµ°%^*/.²³·-]|/\s*\([A-Za-zµ°%][\w\sµ°%^*.²³·-]*\))*)?\s*$"
+    r"\s*((?:(?<=\s)1/)?(?![eE][+-]?\d)[A-Za-zµμ°%](?:[\w\sµμ°%^*/.²³·-]|/\s*\([A-Za-zµμ°%][\w\sµμ°%^*.²³·-]*\))*)?\s*$"
 )
-MEASURE = re.compile(r"(?<![\w.])((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
-FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµ°%]+)(?:\^?(-?\d+))?\s*")
+MEASURE = re.compile(r"(?<![\w.])((?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ°%]+)(?!\w)(\s*(?:\^|\*\*))?")
+FACTOR = re.compile(r"([*/·\s]*)([A-Za-zµμ°%]+)(?:\^?(-?\d+))?\s*")
 GROUP = re.compile(r"/\s*\(([^()]*)\)")
 
 
@@ -197,7 +197,7 @@ def reads_as_quantity(text: str) -> bool:
     if match is None or "(" not in (match[2] or ""):
         return match is not None
     # In a formula a parenthesis may hold parameters: of a unit it holds several factors that are all units.
-    words = [re.findall(r"[A-Za-zµ°%]+", group) for group in GROUP.findall(match[2])]
+    words = [re.findall(r"[A-Za-zµμ°%]+", group) for group in GROUP.findall(match[2])]
     return all(len(group) > 1 and all(word in UNITS for word in group) for group in words)
 
 
@@ -208,8 +208,8 @@ def _subtracts(unit: str) -> bool:
     """
     ends = [*re.finditer(r"\s*-\s*", unit)]
     apart = any(one[0] != "-" for one in ends)
-    named = any(re.match(r"[A-Za-zµ°%]", unit[one.end() :]) for one in ends)
-    return apart or (named and not all(word in UNITS for word in re.findall(r"[A-Za-zµ°%]+", unit)))
+    named = any(re.match(r"[A-Za-zµμ°%]", unit[one.end() :]) for one in ends)
+    return apart or (named and not all(word in UNITS for word in re.findall(r"[A-Za-zµμ°%]+", unit)))
 
 
 def unit(text: str) -> tuple[float, Powers]:
@@ -340,7 +340,7 @@ def finite_quantity(value: object, dimension: str | None) -> tuple[float, str | 
     number = _as_float(value) * factor + zero
     if not math.isfinite(number):
         shown = quoted(value) if isinstance(value, str) else "the number" if isinstance(value, int) else value
-        raise UnitError(f"{shown} is not a finite number")
+        raise UnitError(f"{shown} is not a finite number", "write a finite number")
     return number, "temperature" if zero else dimension
 
 
@@ -394,8 +394,8 @@ def _as_formula(value: str) -> str:
     numbers = [one for one in found if one is not None]
     if len(numbers) < len(found) or (len(pieces) == 1 and not numbers[0][1]):
         return ""
-    plain = all(re.fullmatch(r"\S*\s*[A-Za-zµ°%]*", number) for number, _ in numbers)
-    units = [re.search(r"[A-Za-zµ°%]$|[A-Za-zµ°%]\W", number) is not None for number, _ in numbers]
+    plain = all(re.fullmatch(r"\S*\s*[A-Za-zµμ°%]*", number) for number, _ in numbers)
+    units = [re.search(r"[A-Za-zµμ°%]$|[A-Za-zµμ°%]\W", number) is not None for number, _ in numbers]
     names = [
         number if not has_unit else f"({number})" if plain else "abcdef"[k % 6]
         for k, ((number, _), has_unit) in enumerate(zip(numbers, units))

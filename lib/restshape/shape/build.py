@@ -148,7 +148,8 @@ def _edge(draft: Draft, name: str, spec: LineSpec | ArcSpec | SplineSpec | Polyl
             raise UserError(f"there is no vertex {vertex!r}", where, f"vertices: {', '.join(draft.vertices)}")
     a, b = np.array(draft.vertices[start]), np.array(draft.vertices[end])
     if np.array_equal(a, b):
-        raise UserError(f"the edge has zero length: {start!r} and {end!r} are the same point", where)
+        what = f"the edge has zero length: {start!r} and {end!r} are the same point"
+        raise UserError(what, where, "move one of them, or leave the edge out")
     if isinstance(spec, LineSpec):
         return DraftEdge(name, kind, start, end, spec.part_of or "")
     if isinstance(spec, ArcSpec):
