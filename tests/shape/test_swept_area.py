@@ -67,6 +67,27 @@ def nested() -> Outline:
     )
 
 
+def layered() -> Outline:
+    """A bar of 4 by 2 with a region of its lower quarter, and in it one of its left half: all share the lowest side."""
+    corners = {"a": [0, 0], "m": [2, 0], "b": [4, 0], "r": [4, 0.5], "c": [4, 2], "d": [0, 2], "l": [0, 0.5]}
+    lines = {name: list(name) for name in ("am", "mb", "br", "rc", "cd", "dl", "la", "rn", "nl", "mn")}
+    return outline_from_spec(
+        ShapeSpec(
+            vertices={name: [float(x) for x in p] for name, p in (corners | {"n": [2, 0.5]}).items()},
+            edges={name: {"line": ends} for name, ends in lines.items()},
+            outline=["am", "mb", "br", "rc", "cd", "dl", "la"],
+            regions={"low": {"loop": ["am", "mb", "br", "rn", "nl", "la"]}, "left": {"loop": ["am", "mn", "nl", "la"]}},
+        )
+    )
+
+
+def test_regions_that_share_sides_with_the_outline_and_each_other():
+    outline = layered()
+    assert {name: entity_area(outline, name) for name in ("all", "low", "left")} == pytest.approx(
+        {"all": 8.0, "low": 1.0, "left": 1.0}, rel=1e-13
+    )
+
+
 def test_regions_are_less_what_lies_in_them():
     outline = nested()
     exact = {

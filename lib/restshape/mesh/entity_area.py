@@ -43,15 +43,19 @@ def entity_area(outline: Outline, name: str | None = None) -> float:
 
 
 def _innermost_around(outline: Outline) -> dict[int, int]:
-    """For each loop the smallest region around it; -1 where there is none."""
+    """For each hole and region the smallest region around it; -1 where there is none.
+
+    A region around another loop is larger, whatever sides both share. Outlines lie in none.
+    """
     polygons = [loop_polygon(outline, loop) for loop in outline.loops]
-    regions = [i for i, loop in enumerate(outline.loops) if loop.kind == "region"]
-    regions.sort(key=lambda i: abs(signed_area(polygons[i])))
-    found = {}
+    sizes = [abs(signed_area(polygon)) for polygon in polygons]
+    regions = sorted((i for i, loop in enumerate(outline.loops) if loop.kind == "region"), key=sizes.__getitem__)
+    found = dict.fromkeys(range(len(polygons)), -1)
     for j, loop in enumerate(outline.loops):
-        place = _point_in(polygons[j], loop)
-        holding = (i for i in regions if i != j and contains(polygons[i], place)[0])
-        found[j] = next(holding, -1)
+        if loop.kind != "outline":
+            place = _point_in(polygons[j], loop)
+            holding = (i for i in regions if sizes[i] > sizes[j] and contains(polygons[i], place)[0])
+            found[j] = next(holding, -1)
     return found
 
 

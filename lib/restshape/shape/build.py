@@ -82,7 +82,10 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
         if not wrong.startswith("panel") and (dart := dart_named(spec.darts, outline, wrong)):
             do = "make the dart shorter, or narrower or wider, or move it"
             raise UserError(wrong, dart.where, do)
-        raise UserError(wrong, _place(outline, wrong), apart if wrong.startswith("panel") else do)
+        place = _place(outline, wrong)
+        if place.startswith("shape.regions."):
+            do = f"keep it inside, or give it the outline's own edges as sides: {place.rpartition('.')[2]} = {{ loop = [...] }}"
+        raise UserError(wrong, place, apart if wrong.startswith("panel") else do)
     return outline
 
 
