@@ -84,7 +84,8 @@ def outline_from_spec(spec: ShapeSpec, scene_dir: Path | str = ".") -> Outline:
             raise UserError(wrong, dart.where, do)
         place = _place(outline, wrong)
         if place.startswith("shape.regions."):
-            do = f"keep it inside, or give it the outline's own edges as sides: {place.rpartition('.')[2]} = {{ loop = [...] }}"
+            name = place.rpartition(".")[2]
+            do = f"keep it inside, or give it the outline's own edges as sides: {name} = {{ loop = [...] }}"
         raise UserError(wrong, place, apart if wrong.startswith("panel") else do)
     return outline
 
