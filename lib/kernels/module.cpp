@@ -20,6 +20,7 @@ void bind_mesh(py::module_&);
 void bind_motion(py::module_&);
 void bind_mesher(py::module_&);
 void bind_near_pairs(py::module_&);
+void bind_places(py::module_&);
 void bind_nested_cloth(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
@@ -56,6 +57,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_motion(m);
     bind_mesher(m);
     bind_near_pairs(m);
+    bind_places(m);
     bind_nested_cloth(m);
     bind_order(m);
     bind_outline(m);

@@ -43,6 +43,7 @@ __all__: list[str] = [
     "energy_products",
     "estimate_points",
     "extrude_nodes",
+    "farthest_apart",
     "flop_rate",
     "follow_sides",
     "forget_cycle",
@@ -57,6 +58,7 @@ __all__: list[str] = [
     "lacking_forces",
     "largest_norm",
     "largest_size",
+    "least_slide",
     "locate",
     "locate_quadratic",
     "longest_sides",
@@ -96,6 +98,7 @@ __all__: list[str] = [
     "ridge_weights",
     "row_products",
     "same_bits",
+    "same_values",
     "schur_complement",
     "set_schur_rows",
     "set_stage",
@@ -713,6 +716,10 @@ def extrude_nodes(
     datum: typing.SupportsFloat | typing.SupportsIndex,
     X: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def farthest_apart(
+    before: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    after: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> float: ...
 def flop_rate(
     steps: typing.SupportsInt | typing.SupportsIndex = 20000, runs: typing.SupportsInt | typing.SupportsIndex = 20
 ) -> float: ...
@@ -784,6 +791,12 @@ def lacking_forces(
 ) -> numpy.typing.NDArray[numpy.float64]: ...
 def largest_norm(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
 def largest_size(a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> float: ...
+def least_slide(
+    x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    nodes: typing.Annotated[numpy.typing.ArrayLike, numpy.int64],
+    start: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    normals: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> float: ...
 def locate(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -971,6 +984,10 @@ def row_products(
     out: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def same_bits(
+    a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> bool: ...
+def same_values(
     a: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     b: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> bool: ...

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
 from restshape.algebra.preconditioner import set_preconditioner
@@ -161,7 +162,7 @@ class Descent:
     def _objective(self, snes: PETSc.SNES, X: PETSc.Vec) -> float:
         x = self.nodal.values(X)
         # Line searches begin where the last one has ended.
-        if self.known is None or not np.array_equal(self.known[0], x):
+        if self.known is None or not _kernels.same_values(self.known[0], x):
             self.known = x.copy(), self.energy.energy(x)
         return self.known[1]
 

@@ -92,6 +92,8 @@ class ClothProblem(SteadyProblem):
         self.morley = MorleySpace(mesh) if fabric.kind == "morley" else None
         nodes = np.arange(len(mesh.X), dtype=np.int32)
         self.corner_number = self.morley.corner_number if self.morley else nodes
+        # Of one rank the corners are the first nodes.
+        self._first = np.array_equal(self.corner_number, nodes)
         # A copy, as the place is: flips change the mesh's own.
         self.membrane = Membrane(fabric.law, self.morley.corners if self.morley else mesh.cells.copy())
         self.bending = bending_of(fabric, mesh, self.morley, supports, block=2)
@@ -259,8 +261,8 @@ class ClothProblem(SteadyProblem):
         return np.where(self.boundary.mask, self.boundary.values, x)
 
     def corners(self, x: np.ndarray) -> np.ndarray:
-        """Positions (corners, 3) [m] of the mesh's nodes."""
-        return x[self.corner_number]
+        """Positions (corners, 3) [m] of the mesh's nodes, a copy."""
+        return x[: len(self.corner_number)].copy() if self._first else x[self.corner_number]
 
     def update_friction(self, x: np.ndarray, moving: bool = False) -> float:
         """Let friction, and the points that touch, follow to x (n, 3); returns the largest slip distance [m].
@@ -416,7 +418,11 @@ class ClothProblem(SteadyProblem):
         nodes = PointForces(self.X, entities, contact, mass, self.area_rates, inertia, curved)
         if not (contact and contact.points and len(contact.points.cut)):
             return [nodes]
-        return [nodes, TriangleForces(self.X, entities, contact, self.area_rates, curved)]
+        return [nodes, self._triangles(contact, curved)]
+
+    def _triangles(self, contact: Contact, curved: bool = True) -> TriangleForces:
+        entities = np.ascontiguousarray(self.corner_number[:, None])
+        return TriangleForces(self.X, entities, contact, self.area_rates, curved)
 
     def area_rates(self, dX: np.ndarray) -> np.ndarray:
         """Rates (corners + points,) of the areas that both stand for when nodes move with dX (n, 2)."""
@@ -432,7 +438,13 @@ class ClothProblem(SteadyProblem):
         """Potential energy [J] at x (n, 3), of weight too."""
         # Bending is summed by itself first, as it is reported by itself.
         total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
-        return total + self.seam_energy(x) + Assembled(self._contact()).energy(x)
+        return total + self.seam_energy(x) + self._contact_energy(x)
+
+    def _contact_energy(self, x: np.ndarray) -> float:
+        """Energy [J] of contact at x (n, 3), with bodies and of the cloth with itself."""
+        corners, contact, own = self.corners(x), self.contact, self.self_contact
+        energy = contact.energy(contact.place(corners)) if contact else 0.0
+        return energy + own.energy(corners) if own else energy
 
     def seam_energy(self, x: np.ndarray) -> float:
         """Energy [J] of seams at x (n, 3), of bending across them too."""
@@ -461,8 +473,26 @@ class ClothProblem(SteadyProblem):
 
     def unconstrained_residual(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, 3) [N] to the residual at x (n, 3) without supports: their reactions where they constrain."""
-        out[:] = 0.0
-        Assembled(self.integrals(INTERNAL)).residual(x, out)
+        self.internal_forces(x, out)
+        self._add_contact(x, out)
+
+    def _add_contact(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Add to `out` (n, 3) [N] the forces of contact at x (n, 3), with bodies and of the cloth with itself."""
+        corners, contact, own = self.corners(x), self.contact, self.self_contact
+        if contact:
+            forces = contact.forces(contact.place(corners))
+            self._add_at_corners(forces[: len(corners)], out)
+            if len(forces) > len(corners):
+                self._triangles(contact).spread(forces[len(corners) :], out)
+        if own:
+            self._add_at_corners(own.forces(corners), out)
+
+    def _add_at_corners(self, forces: np.ndarray, out: np.ndarray) -> None:
+        """Add forces (corners, 3) to those `out` (n, 3) of the nodes."""
+        if self._first:
+            out[: len(forces)] += forces
+        else:
+            out[self.corner_number] += forces
 
     def internal_forces(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, 3) [N] to the forces of membrane, bending, weight and seams, also where prescribed."""

@@ -26,12 +26,12 @@ class NearPairs:
         reach: within which they are searched for [m]; the farther, the longer they may be kept.
 
     Attributes:
-        searches: how many there were.
+        searches: how many there were; none: the last one has found nothing.
     """
 
     def __init__(self, surface: CollisionSurface, distance: float, reach: float) -> None:
         self.surface, self.distance, self.reach = surface, distance, reach
-        self.searches = 0
+        self.searches, self.none = 0, False
         self._start, self._found = np.zeros((0, 3)), None
         # About as long as an edge: farther, and each part comes by many others.
         self._short = float(np.ptp(surface.flat[:, :2], axis=0).max()) / len(surface.cells) ** 0.5
@@ -45,6 +45,7 @@ class NearPairs:
             library, self.searches = self.surface.library, self.searches + 1
             self._start, self._found = x.copy(), library.Candidates()
             edge_edge, cell_node = self._search.search(x, self.reach)
+            self.none = not (len(edge_edge) or len(cell_node))
             self._found.ee_candidates = [library.EdgeEdgeCandidate(*pair) for pair in edge_edge.tolist()]
             self._found.fv_candidates = [library.FaceVertexCandidate(*pair) for pair in cell_node.tolist()]
         return self._found
@@ -69,7 +70,4 @@ class NearPairs:
         if self._found is None or x.shape != self._start.shape:
             return False
         # Motions of all of the cloth together bring nothing nearer.
-        off = x - self._start
-        off -= off.mean(axis=0)
-        farthest = float(np.einsum("na,na->n", off, off).max()) ** 0.5
-        return 2.0 * farthest + self.distance <= self.reach
+        return 2.0 * _kernels.farthest_apart(self._start, x) + self.distance <= self.reach

@@ -116,7 +116,7 @@ class TriangleForces:
     def add_residual(self, x: np.ndarray, out: np.ndarray, subset: np.ndarray | None = None) -> None:
         """Add the forces [N] of contact at x (n, 3) to `out` (n, 3)."""
         place = self.contact.place(x[self.entities[:, 0]])
-        self._spread(self.contact.forces(place)[len(self.entities) :], out)
+        self.spread(self.contact.forces(place)[len(self.entities) :], out)
 
     def energies(self, x: np.ndarray) -> np.ndarray:
         """None (0,): `PointForces` has them."""
@@ -137,9 +137,9 @@ class TriangleForces:
         if dx is not None:
             self.add_tangent_product(x, dx, out)
         place = self.contact.place(x[self.entities[:, 0]])
-        self._spread(self.contact.force_rates(place, self.area_rates(dX))[len(self.entities) :], out)
+        self.spread(self.contact.force_rates(place, self.area_rates(dX))[len(self.entities) :], out)
 
-    def _spread(self, forces: np.ndarray, out: np.ndarray) -> None:
+    def spread(self, forces: np.ndarray, out: np.ndarray) -> None:
         """Add forces (m, 3) at the points to those `out` (n, 3) of the nodes around them."""
         active = _kernels.nonzero_rows(forces)
         table = np.zeros((len(active), 3 + POTENTIAL))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.physics.cloth.barrier_by_pattern import barrier_by_pattern
 from restshape.physics.cloth.collision_surface import CollisionSurface, columns
 from restshape.physics.cloth.layer_friction import LayerFriction, Touching
@@ -58,8 +59,12 @@ class Encounter:
     def __init__(self, owner: SelfContact, x: np.ndarray) -> None:
         self.owner, self.x = owner, x.copy()
         self.collisions = owner.collisions(x, owner.values.thickness) if owner.active else ()
-        self.places = columns(self.x)
         self.second: dict[bool, tuple[object, tuple[np.ndarray, np.ndarray]]] = {}
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """The positions by columns."""
+        return columns(self.x)
 
     @cached_property
     def energy(self) -> float:
@@ -168,15 +173,16 @@ class SelfContact:
 
         They are `differentiable` by the pattern where that is asked for.
         """
-        found = self.surface.library.NormalCollisions()
+        candidates, found = self._candidates.at(x), self.surface.library.NormalCollisions()
         found.use_area_weighting, found.enable_shape_derivatives = True, differentiable
-        found.build(self._candidates.at(x), self.mesh, columns(x), distance)
+        if not self._candidates.none:
+            found.build(candidates, self.mesh, columns(x), distance)
         return found
 
     def at(self, x: np.ndarray) -> Encounter:
         """What is near at x (n, 3); the last place is kept."""
         known = self._encounter
-        if known is None or known.x.shape != x.shape or not np.array_equal(known.x, x):
+        if known is None or not _kernels.same_values(known.x, x):
             known = self._encounter = Encounter(self, x)
         return known
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.physics.cloth.cloth_problem import ClothProblem
 
 LONGER = 2.0
@@ -87,7 +88,7 @@ class ClothSlide:
         # One row for each pair of a body and what it presses.
         body, self.node = np.nonzero(contact.history.limits)
         self.normal = contact.history.normals[body, self.node]
-        self.start, self.corners = self._places(x), self.problem.corners(x).copy()
+        self.start, self.corners = self._places(x)[self.node], self.problem.corners(x)
         return self.ends == 1
 
     def share(self, x: np.ndarray, d: np.ndarray) -> float:
@@ -112,14 +113,9 @@ class ClothSlide:
         return self.steady >= STEADY
 
     def _places(self, x: np.ndarray) -> np.ndarray:
-        """Places (rows, 3) [m] of what is pressed."""
-        return self.problem.contact.place(self.problem.corners(x))[self.node]
-
-    def _ways(self, x: np.ndarray) -> np.ndarray:
-        """Ways (rows, 3) [m] along the surfaces that what is pressed has gone since the run began."""
-        way = self._places(x) - self.start
-        return way - np.einsum("ij,ij->i", way, self.normal)[:, None] * self.normal
+        """Places (corners + points, 3) [m] of what may be pressed."""
+        return self.problem.contact.place(self.problem.corners(x))
 
     def _least(self, x: np.ndarray) -> float:
-        """The least of these ways [m]."""
-        return float(np.linalg.norm(self._ways(x), axis=1).min())
+        """The least way [m] along the surfaces that what is pressed has gone since the run began."""
+        return _kernels.least_slide(self._places(x), self.node, self.start, self.normal)
