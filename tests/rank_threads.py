@@ -27,7 +27,7 @@ class World:
     """What a rank knows of the others."""
 
     def __init__(self, ranks: Ranks, rank: int) -> None:
-        self.ranks, self.rank = ranks, rank
+        self.ranks, self.rank, self.size = ranks, rank, ranks.size
 
     def __call__(self):
         return self
@@ -48,6 +48,9 @@ class World:
 
     def bcast(self, given):
         return self.allgather(given)[0]
+
+    def Bcast(self, given, root):
+        given[...] = self.allgather(np.array(given))[root]
 
     def Allgather(self, given, out):
         out[...] = np.array(self.allgather(np.array(given))).reshape(out.shape)

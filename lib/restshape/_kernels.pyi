@@ -7,6 +7,7 @@ import typing
 __all__: list[str] = [
     "Body",
     "BodyRates",
+    "BorderFactor",
     "Element",
     "GridDistance",
     "HarmonicExtension",
@@ -48,6 +49,7 @@ __all__: list[str] = [
     "follow_sides",
     "forget_cycle",
     "forget_failure",
+    "forget_products",
     "gmls",
     "grade_sizes",
     "has_cgal",
@@ -511,6 +513,12 @@ class HarmonicExtension:
         self, field: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
     ) -> float: ...
 
+class BorderFactor:
+    def __init__(self, matrix: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None: ...
+    def solve(
+        self, loads: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
+    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
+
 class Triangulation:
     def __init__(
         self,
@@ -741,6 +749,7 @@ def follow_sides(
 ) -> int: ...
 def forget_cycle(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def forget_failure(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+def forget_products(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def gmls(
     hand: numpy.typing.NDArray[numpy.float64],
     last: numpy.typing.NDArray[numpy.float64],

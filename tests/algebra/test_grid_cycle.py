@@ -137,3 +137,23 @@ def test_iterations_on_ranks_are_those_of_one(tmp_path, on_ranks, command):
         assert list(found[ranks]["preconditioners"]) == ["gamg"] and found[ranks]["parity"]["holds"]
     one, two = (found[ranks]["iterations"] for ranks in (1, 2))
     assert 0 < two <= 1.25 * one + 2
+
+
+def test_forgotten_products_are_found_again(made):
+    """A set-up for another matrix gives the same coarse grids with what is kept for it, and without."""
+    _, mat, pc = made
+    b, x = mat.createVecs()
+    b.setArray(np.sin(np.arange(b.getSize())))
+
+    def again():
+        mat.scale(3.0)
+        pc.setUp()
+        pc.apply(b, x)
+        return pc.getMGSmoother(0).getOperators()[0], 3.0 * x.getArray()
+
+    first = pc.getMGSmoother(0).getOperators()[0]
+    kept, expected = again()
+    _kernels.forget_products(pc.handle)
+    new, found = again()
+    assert kept.handle == first.handle != new.handle
+    np.testing.assert_allclose(3.0 * found, expected, rtol=1e-10)

@@ -135,6 +135,11 @@ void bind_algebra(py::module_& m) {
         "and "
         "additive Schwarz keep the failure of one block for ever.");
     m.def(
+        "forget_products",
+        [](intptr_t pc) { restshape::check(restshape::forget_products(reinterpret_cast<PC>(pc)), "MatProductClear"); },
+        py::arg("pc"),
+        "Free what multigrid with this handle keeps to make its coarse matrices again; it finds their patterns again.");
+    m.def(
         "multiply_in_registers",
         [](intptr_t mat) {
             restshape::check(restshape::multiply_in_registers(reinterpret_cast<Mat>(mat)), "MatSetOperation");

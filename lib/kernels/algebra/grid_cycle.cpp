@@ -222,6 +222,20 @@ PetscErrorCode forget_cycle(PC pc) {
     PetscFunctionReturn(0);
 }
 
+PetscErrorCode forget_products(PC pc) {
+    PetscInt levels;
+    KSP smoother;
+    Mat grid;
+    PetscFunctionBegin;
+    PetscCall(PCMGGetLevels(pc, &levels));
+    for (PetscInt level = 0; level + 1 < levels; ++level) {
+        PetscCall(PCMGGetSmoother(pc, level, &smoother));
+        PetscCall(KSPGetOperators(smoother, nullptr, &grid));
+        PetscCall(MatProductClear(grid));
+    }
+    PetscFunctionReturn(0);
+}
+
 PetscErrorCode cycle_in_single(PC pc, PetscBool* done) {
     PetscInt levels, rows, all;
     PetscBool known, symmetric;

@@ -14,4 +14,8 @@ PetscErrorCode cycle_in_single(PC pc, PetscBool* done);
 // Lets go of what cycle_in_single has made.
 PetscErrorCode forget_cycle(PC pc);
 
+// Frees what a preconditioner of type gamg that has been set up keeps to make its coarse matrices again from another
+// matrix with the same interpolation: parts of products and transposed copies. It will find their patterns again.
+PetscErrorCode forget_products(PC pc);
+
 }  // namespace restshape

@@ -53,7 +53,8 @@ class ScalarCholesky {
         for (std::size_t j = 0; j < slot_.size(); ++j) upper_[j] = stored[slot_[j]];
         const auto n = static_cast<PetscInt>(lower.cols());
         const StoredBlocks a{n, from_.data(), to_.data(), place_.data(), length_.data(), upper_.data()};
-        factor_.make(a, rows(), kept_);
+        // Its workspace is of no use to substitutions.
+        BlockFactor<1>().make(a, rows(), kept_);
         return std::all_of(value_.begin(), value_.begin() + n, [](double pivot) { return std::isfinite(pivot); });
     }
 
@@ -65,8 +66,13 @@ class ScalarCholesky {
     template <int columns>
     void solve(const double* load, double* found) const {
         Fields<columns> x = forward<columns>(load);
-        backward<columns>(x, found);
+        backward<columns>(x);
+        using Row = Eigen::Array<double, 1, columns>;
+        for (std::size_t i = 0; i < x.size(); ++i) Eigen::Map<Row>(found + columns * i) = x[place_of_[i]];
     }
+
+    // Where the solution for an unknown stands.
+    PetscInt place(PetscInt unknown) const { return place_of_[unknown]; }
 
     // What loads (n, columns) leave at each place; at the last ones what the unknowns that are kept have to bear.
     template <int columns>
@@ -82,9 +88,9 @@ class ScalarCholesky {
         return x;
     }
 
-    // Found (n, columns) from that, with the solution at the places of the unknowns that are kept.
+    // Solves from that, with the solution at the places of the unknowns that are kept.
     template <int columns>
-    void backward(Fields<columns>& x, double* found) const {
+    void backward(Fields<columns>& x) const {
         const auto n = static_cast<PetscInt>(place_of_.size());
         using Row = Eigen::Array<double, 1, columns>;
         for (PetscInt k = n - kept_ - 1; k >= 0; --k) {
@@ -92,7 +98,6 @@ class ScalarCholesky {
             for (PetscInt j = start_[k]; j < start_[k + 1]; ++j) own += value_[j] * x[column_[j]];
             x[k] = own;
         }
-        for (PetscInt i = 0; i < n; ++i) Eigen::Map<Row>(found + columns * i) = x[place_of_[i]];
     }
 
     // The Schur complement (kept, kept) of the unknowns that are kept, by rows.
@@ -159,7 +164,6 @@ class ScalarCholesky {
     std::vector<PetscInt> start_, column_;                     // the factor, its pivots first
     std::vector<double> upper_, value_;
     PetscInt kept_ = 0;
-    BlockFactor<1> factor_;
 };
 
 }  // namespace restshape

@@ -83,17 +83,17 @@ class HarmonicExtension {
     // Values (n, k) at all nodes from the same values (nb, k) and those (m, k) of the border.
     Rows complete(const Eigen::Ref<const Rows>& values, const Eigen::Ref<const Rows>& border) {
         reduced_.bottomRows(border_count_) = border;
-        Rows inside(free_count_, values.cols());
         each_columns(values.cols(), [&](auto width, Eigen::Index first) {
             constexpr int columns = decltype(width)::value;
             ScalarCholesky::Fields<columns> x(free_count_);
             for (std::int32_t k = 0; k < free_count_; ++k) x[k] = reduced_.row(k).segment(first, columns).array();
-            Rows found(free_count_, columns);
-            factor_.template backward<columns>(x, found.data());
-            inside.middleCols(first, columns) = found;
+            factor_.template backward<columns>(x);
+            for (std::int32_t k = 0; k < free_count_; ++k)
+                reduced_.row(k).segment(first, columns) = x[factor_.place(k)].matrix();
         });
+        Rows all = everywhere(values, reduced_);
         reduced_.resize(0, 0);
-        return everywhere(values, inside);
+        return all;
     }
 
     // Weights each triangle by the size of a field's gradient in it, so that strain spreads away from where it gathers.

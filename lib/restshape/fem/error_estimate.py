@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -75,12 +76,16 @@ class RecoveryEstimate:
         shared: SharedRecovery | None = None,
     ) -> None:
         self.space, self.flux, self.stiffest, self.shared = space, flux, stiffest, shared
-        self.recovery = shared.recovery if shared else NodalFlux(space)
         # Fluxes of first order are constant in a cell.
-        second = self.recovery.points is not None
-        self._points = _kernels.estimate_points(space.cells.shape[1]) if second else None
+        second = space.cells.shape[1] == 6
+        self._points = _kernels.estimate_points(6) if second else None
         self._compliance = compliance
         self._kinds = space.cell_region if len(compliance) > 1 else NO_KINDS
+
+    @cached_property
+    def recovery(self) -> NodalFlux:
+        """What recovers fluxes at the nodes; ranks that have parts of their own never ask for it."""
+        return self.shared.recovery if self.shared else NodalFlux(self.space)
 
     def relative(self, x: np.ndarray) -> float:
         """The estimated error of unknowns x (n, f) over their size, both in the energy norm.

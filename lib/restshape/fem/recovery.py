@@ -28,7 +28,7 @@ class NodalFlux:
         regions = np.unique(space.cell_region)
         self._cells = [np.flatnonzero(space.cell_region == region) for region in regions] if len(regions) > 1 else []
         parts = [np.unique(space.cells[cells]) for cells in self._cells] or [np.arange(len(space.X))]
-        self.nodes = np.concatenate(parts)
+        self.nodes = np.concatenate(parts) if self._cells else parts[0]
         self.region = np.repeat(regions, [len(part) for part in parts])
         self._parts = parts
         self._rows: tuple[int | None, np.ndarray] = (None, space.cells)

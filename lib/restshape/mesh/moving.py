@@ -524,7 +524,10 @@ class MovingMesh:
 
     def _set_reference(self, gesture: Gesture | None, c: tuple[float, float]) -> None:
         """The nodes as they lie now are the reference of a gesture, at its coefficients c."""
-        self.state = replace(self.state, map=GestureMap(gesture, self.mesh.X.copy(), c), c=c)
+        known, X = self.state.map, self.mesh.X
+        # A first gesture takes up the new mesh as it is.
+        reference = known.reference if known is not None and np.array_equal(known.reference, X) else X.copy()
+        self.state = replace(self.state, map=GestureMap(gesture, reference, c), c=c)
         if self.space:
             self.space.refer()
 

@@ -66,7 +66,7 @@ class Extension(Protocol):
         """Values (n, k) at all nodes from values (nb, k) at the boundary nodes."""
 
     def adapted(self, values: np.ndarray) -> np.ndarray:
-        """The same for values that the extension may adapt itself to, for this call and later ones."""
+        """The same for values that the extension may adapt itself to, which has served with this call."""
 
 
 class HarmonicExtension:

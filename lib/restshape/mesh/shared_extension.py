@@ -35,7 +35,7 @@ class MeshPart:
         rank: of this part.
 
     Attributes:
-        own: (k,) nodes of the part; cells: (m, 3) by their numbers there.
+        own: (k,) nodes of the part; cells: (m, 3) by their numbers there, until an extension is made of it.
         given: (j,) which boundary nodes are among them, by their rows; given_nodes: (j,) int32 their numbers there.
         border: (b,) all free nodes of several parts, ascending; places: (c,) those of this part among them;
             border_nodes: (c,) int32 their numbers there.
@@ -45,7 +45,7 @@ class MeshPart:
     def __init__(self, mesh: Mesh, nodes: np.ndarray, rank: int) -> None:
         n, ranks = len(mesh.X), len(mesh.node_offsets) - 1
         of_cell = np.searchsorted(mesh.node_offsets, mesh.cells.min(axis=1), side="right") - 1
-        self.first, parts = np.full(n, ranks), np.zeros(n, dtype=np.int32)
+        self.first, parts = np.full(n, ranks, dtype=np.int32), np.zeros(n, dtype=np.int32)
         for k in reversed(range(ranks)):
             on = np.zeros(n, dtype=bool)
             on[mesh.cells[of_cell == k]] = True
@@ -80,28 +80,42 @@ class SharedHarmonicExtension:
     def __init__(self, world: MPI.Intracomm, mesh: Mesh, part: MeshPart) -> None:
         self.world, self.part, self._size = world, part, len(mesh.X)
         self._kernel: _kernels.HarmonicExtension
-        self._factor: tuple[np.ndarray, bool] | None = None
-        X = np.ascontiguousarray(mesh.X[part.own])
+        self._factor: _kernels.BorderFactor | None = None
 
         def begin() -> None:
+            X = np.ascontiguousarray(mesh.X[part.own])
             self._kernel = _kernels.HarmonicExtension(X, part.cells, part.given_nodes, part.border_nodes)
+            # The kernel has a copy.
+            del part.cells
 
         self._together(begin)
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Values (n, k) at all nodes from values (nb, k) at the boundary nodes."""
-        own, world, first = self._solve(values), self.world, self.part.first
-        parts = world.allgather(own[first[self.part.own] == world.rank])
-        found = np.empty((self._size, values.shape[1]))
-        for rank, part in enumerate(parts):
-            found[first == rank] = part
-        return found
+        return self._gather(self._solve(values))
 
     def adapted(self, values: np.ndarray) -> np.ndarray:
         """The same, adapted to values (nb, k) as by `HarmonicExtension.adapted`."""
         largest = max(self.world.allgather(self._kernel.weigh(self._solve(values))))
         self._together(lambda: self._kernel.stiffen(largest))
-        return self(values)
+        own = self._solve(values)
+        # What is gathered takes the place of the factor.
+        del self._kernel
+        return self._gather(own)
+
+    def _gather(self, own: np.ndarray) -> np.ndarray:
+        """Values (n, k) at all nodes from those (m, k) of the ranks' parts."""
+        world, first = self.world, self.part.first
+        found = np.empty((self._size, own.shape[1]))
+        # One part after the other: copies of all of them would be most of what is held here.
+        for rank in range(world.size):
+            rows = np.flatnonzero(first == rank)
+            part = np.empty((len(rows), own.shape[1]))
+            if rank == world.rank:
+                part[:] = own[first[self.part.own] == rank]
+            world.Bcast(part, rank)
+            found[rows] = part
+        return found
 
     def _together(self, make: Callable[[], None]) -> None:
         """Have each rank make a factor of its inside, and the first one that of the border.
@@ -124,14 +138,12 @@ class SharedHarmonicExtension:
 
     def _factor_border(self, parts: list[tuple[np.ndarray, np.ndarray]]) -> bool:
         """Factor the sum of what the ranks leave, on the first one; whether there is a factor."""
-        from scipy.linalg import LinAlgError, cho_factor
-
         complement = np.zeros(2 * (len(self.part.border),))
         for places, left in parts:
             complement[np.ix_(places, places)] += left
         try:
-            self._factor = cho_factor(complement, overwrite_a=True) if complement.size else None
-        except (LinAlgError, ValueError):
+            self._factor = _kernels.BorderFactor(complement) if complement.size else None
+        except RuntimeError:
             return False
         return True
 
@@ -142,13 +154,11 @@ class SharedHarmonicExtension:
         loads = self.world.gather((part.places, self._kernel.reduce(given)))
         found = None
         if loads is not None:
-            from scipy.linalg import cho_solve
-
             found = np.zeros((len(part.border), values.shape[1]))
             for places, load in loads:
                 found[places] += load
             if self._factor is not None:
-                found = cho_solve(self._factor, found)
+                found = self._factor.solve(found)
         at_border = self.world.bcast(found)
         return self._kernel.complete(given, np.ascontiguousarray(at_border[part.places]))
 

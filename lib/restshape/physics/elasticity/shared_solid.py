@@ -177,7 +177,7 @@ class SharedEstimate(RecoveryEstimate):
         if self.shared:
             sampled, recovered = nodal.sampled(own), nodal(own)
         else:
-            sampled = part.stresses.of_estimate(own, self.recovery.points)
+            sampled = part.stresses.of_estimate(own, nodal.recovery.points)
             recovered = nodal.recovery(sampled)
         flux = sampled if self._points is None else part.stresses.of_estimate(own, self._points)
         share, kinds = space.share, space.cell_region[space.share] if len(self._compliance) > 1 else self._kinds
