@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
 
 import numpy as np
 
@@ -84,7 +84,7 @@ def _sources(points: np.ndarray, segments: np.ndarray, sizing: Sizing) -> np.nda
     # Embedded points have no edges, and stand for no size.
     spacing = np.where(count, total / np.maximum(count, 1), sizing.size)
     wanted = sizing.at(points) if sizing.attractors else sizing.size
-    short = np.flatnonzero(spacing < SHORT * wanted)
+    short = (spacing < SHORT * wanted).nonzero()[0]
     rows = [np.column_stack([points[short], spacing[short], np.zeros(len(short))])]
     for attractor in sizing.attractors:
         size = np.full(len(attractor.points), attractor.size)
@@ -102,9 +102,9 @@ def _with_splits(
     for edge in np.unique(edges).tolist():
         chain = boundary.chains[edge]
         own = np.concatenate([[0.0], boundary.param[chain[1:-1]], [1.0]])
-        rows = np.flatnonzero(edges == edge)
-        for row in rows:
-            at, t = _place(chain, pairs[row], fraction[row])
+        rows, known = (edges == edge).nonzero()[0], chain.tolist()
+        for row in rows.tolist():
+            at, t = _place(known, pairs[row].tolist(), fraction[row])
             s[row] = own[at] + t * (own[at + 1] - own[at])
         added[rows] = outline.point(edge, s[rows])
         nodes = np.concatenate([chain, rows + len(boundary.points)])
@@ -117,10 +117,10 @@ def _with_splits(
     )
 
 
-def _place(chain: np.ndarray, pair: Sequence[int], fraction: float) -> tuple[int, float]:
+def _place(chain: list[int], pair: list[int], fraction: float) -> tuple[int, float]:
     """Where in a chain a pair of neighbours stands, and the fraction in the chain's direction."""
+    neighbours = list(itertools.pairwise(chain))
     first, second = pair
-    along = np.flatnonzero((chain[:-1] == first) & (chain[1:] == second))
-    if len(along):
-        return int(along[0]), fraction
-    return int(np.flatnonzero((chain[:-1] == second) & (chain[1:] == first))[0]), 1.0 - fraction
+    if (first, second) in neighbours:
+        return neighbours.index((first, second)), fraction
+    return neighbours.index((second, first)), 1.0 - fraction

@@ -159,7 +159,7 @@ class Mesh(NodesAndCells):
         on[self.facets[self.facets_of(name)]] = True
         if len(filled := self.filled_by(name)):
             on[self.cells[filled]] = True
-        return np.flatnonzero(on).astype(np.int32)
+        return on.nonzero()[0].astype(np.int32)
 
     def filled_by(self, name: str) -> np.ndarray:
         """Triangles all of whose nodes are an entity's: those of `cells_of` for regions and "all", else none.
@@ -178,7 +178,7 @@ class Mesh(NodesAndCells):
         """
         chosen = np.zeros(len(self.outline.edges), dtype=bool)
         chosen[list(self.outline.entity(name).edges)] = True
-        return np.flatnonzero(chosen[self.facet_edge]).astype(np.int32)
+        return chosen[self.facet_edge].nonzero()[0].astype(np.int32)
 
     def cells_of(self, name: str) -> np.ndarray:
         """Triangles inside an entity: a region less the regions in it, or all for "all" and "outline"; else none.
