@@ -81,7 +81,7 @@ def costs(scene: str, overrides: tuple[str, ...], drag: Drag) -> dict[str, float
             said = json.dumps([placed(one, body) for one in found])
             frames.append(middle - begin)
             marks.append(end - middle)
-            sizes.append(len(said) + sum(map(len, body.pieces)))
+            sizes.append(len(said) + body.size)
             begin = thread_time()
     ms, own = (1e3 * np.array(one[FIRST:]) for one in (frames, marks))
     return {

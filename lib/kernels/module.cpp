@@ -19,6 +19,7 @@ void bind_least_squares(py::module_&);
 void bind_mesh(py::module_&);
 void bind_motion(py::module_&);
 void bind_mesher(py::module_&);
+void bind_messages(py::module_&);
 void bind_near_pairs(py::module_&);
 void bind_places(py::module_&);
 void bind_nested_cloth(py::module_&);
@@ -56,6 +57,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_mesh(m);
     bind_motion(m);
     bind_mesher(m);
+    bind_messages(m);
     bind_near_pairs(m);
     bind_places(m);
     bind_nested_cloth(m);

@@ -80,6 +80,7 @@ __all__: list[str] = [
     "node_order",
     "node_ssor",
     "nonzero_rows",
+    "packed",
     "panel_value_bytes",
     "place_weights",
     "positive_mean_value",
@@ -102,6 +103,7 @@ __all__: list[str] = [
     "same_bits",
     "same_values",
     "schur_complement",
+    "sent_fields",
     "set_schur_rows",
     "set_stage",
     "sides_gone",
@@ -895,6 +897,7 @@ def node_order(X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64]) -> nu
 def nonzero_rows(
     values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.int64]: ...
+def packed(arrays: list, size: typing.SupportsInt | typing.SupportsIndex) -> bytes: ...
 def panel_value_bytes(handle: typing.SupportsInt | typing.SupportsIndex) -> int: ...
 def place_weights(
     X: numpy.typing.NDArray[numpy.float64], places: numpy.typing.NDArray[numpy.int32], of: str
@@ -1003,6 +1006,11 @@ def same_values(
 def schur_complement(
     factor: typing.SupportsInt | typing.SupportsIndex, out: numpy.typing.NDArray[numpy.float64]
 ) -> None: ...
+def sent_fields(
+    points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    displacement: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> tuple: ...
 def set_schur_rows(
     factor: typing.SupportsInt | typing.SupportsIndex, rows: numpy.typing.NDArray[numpy.int32]
 ) -> None: ...

@@ -30,21 +30,22 @@ def measure(request: Request, repeat: int = REPEAT) -> dict[str, Any]:
         request: scene, and script: a press, then drags; repeat: turns, of which each frame's least counts.
 
     Returns:
-        Means of frames [ms]: "replay", and what "live" and "hand" take more; "frames".
+        Means of frames [ms]: "replay", and what "live" and "hand" take more, and of live the frames alone; "frames".
     """
     scene, script = request.scene, request.script
     assert script is not None
     ways: dict[str, Callable[[], Times]] = {
         "replay": lambda: _replayed(scene, script),
         "hand": lambda: _by_hand(scene, script),
-        "live": lambda: _live(scene, script),
     }
-    turns: dict[str, list[Times]] = {name: [] for name in ways}
+    turns: dict[str, list[Times]] = {name: [] for name in (*ways, "live", "frames")}
     for _ in range(repeat):
         for name, way in ways.items():
             turns[name].append(way())
+        for name, times in zip(("live", "frames"), _live(scene, script)):
+            turns[name].append(times)
     least = {name: [1e3 * min(times) for times in zip(*all_)] for name, all_ in turns.items()}
-    more = {name: mean(a - b for a, b in zip(least[name], least["replay"])) for name in ("hand", "live")}
+    more = {name: mean(a - b for a, b in zip(least[name], least["replay"])) for name in ("hand", "live", "frames")}
     found = {"replay_ms": mean(least["replay"]), "frames": len(least["replay"])}
     return found | {f"{name}_more_ms": one for name, one in more.items()}
 
@@ -90,23 +91,38 @@ def _by_hand(scene: restshape.Scene, script: restshape.Script) -> Times:
         return _timed(steps())
 
 
-def _live(scene: restshape.Scene, script: restshape.Script) -> Times:
+class _Timed(LiveSimulation):
+    """Notes how long the frames themselves take: their answers, without what pages see of them."""
+
+    took = 0.0
+
+    def go_on(self) -> bool:
+        before = time.thread_time()
+        found = super().go_on()
+        self.took += time.thread_time() - before
+        return found
+
+
+def _live(scene: restshape.Scene, script: restshape.Script) -> tuple[Times, Times]:
+    """Of each frame of a live session all, and its answer alone."""
     here, there = socket.socketpair()
     for end in (here, there):
         end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
-    page, live = Link(here), LiveSimulation(scene, USUAL)
+    page, live = Link(here), _Timed(scene, USUAL)
     worker = Worker(Link(there), live, GrowingScript(None), LiveRecording(None))
     worker.start()
 
-    def step(number: int, event: dict[str, Any]) -> float:
+    def step(number: int, event: dict[str, Any]) -> tuple[float, float]:
         # What the server and the page do before and after is not of this process.
         page.send({"type": "event", "id": 1 + number, "event": event, "latest": event["do"] == "drag"})
+        live.took = 0.0
         took = _own_time(worker.next)
         page.waiting()
-        return took
+        return took, live.took
 
     try:
-        return [step(*one) for one in enumerate(_written(script))][1:]
+        whole, alone = zip(*[step(*one) for one in enumerate(_written(script))][1:])
+        return [*whole], [*alone]
     finally:
         live.close()
         here.close()

@@ -83,10 +83,11 @@ def _beside(args: argparse.Namespace) -> dict[str, Any]:
 def show(_: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
     """Print the table of a case."""
     if name == BESIDE:
-        heads = ("replay [ms]", "live, more [ms]", "hand.to, more [us]", "frames")
+        heads = ("replay [ms]", "live, more [ms]", "of it frames", "hand.to, more [us]", "frames")
         row = [
             f"{found['replay_ms']:.3g}",
             f"{found['live_more_ms']:.3f}",
+            f"{found['frames_more_ms']:.3f}",
             f"{1e3 * found['hand_more_ms']:.1f}",
             str(found["frames"]),
         ]

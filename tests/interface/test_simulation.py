@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from counted_calls import called
 
 import restshape
 from restshape.interface.edits import Edits
@@ -47,22 +48,6 @@ def test_methods_have_the_keys_of_their_events(do):
     required = {name for name in fields if model.model_fields[name].is_required()}
     assert named == fields or (do == "dart" and named < fields)
     assert needed == required
-
-
-def called(step):
-    """How many functions a step calls, of Python and of compiled modules."""
-    count = 0
-
-    def note(_, event, __):
-        nonlocal count
-        count += event in ("call", "c_call")
-
-    sys.setprofile(note)
-    try:
-        step()
-    finally:
-        sys.setprofile(None)
-    return count
 
 
 def test_a_hand_calls_little_beside_the_frame_of_a_replay(bracket):

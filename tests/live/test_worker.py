@@ -348,6 +348,7 @@ def test_a_scene_that_is_bad_ends_the_process_with_a_message(tmp_path):
 
 def test_an_event_that_the_server_cannot_end_is_cancelled_after_a_frame(scene, tmp_path):
     session = LocalSession(scene, out := tmp_path / "session.jsonl")
+    session.live.shared = True
     session.event("scale", on="window", factor=1.1)
     before, script = session.rows()[-1], out.read_text()
     turn = {"do": "rotate", "on": "window", "by": 0.1, "frames": 1000}

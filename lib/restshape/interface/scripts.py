@@ -26,6 +26,7 @@ TICKS = 1e4
 """Edit times in a second at which events begin that have no time of their own."""
 
 _LINE = json.JSONEncoder(allow_nan=False)
+_DRAG = ["t", "do", "to"]
 MOTION = {"line", "t", "do", "to"}
 """What the motion of a hand to a place has, and no other event."""
 
@@ -104,9 +105,7 @@ class WrittenScript:
                 return None
         # NumPy's numbers are of a kind that JSON does not know.
         place, t = [*map(float, to)], self.t  # type: ignore[arg-type]
-        # As `model_copy` does with an update, which would look first at what is known here.
-        event = last.__copy__()
-        event.__dict__.update(line=len(events) + 2, t=t, to=tuple(place))
+        event = _at_another_place(last, len(events) + 2, t, tuple(place))
         events.append(event)
         self._reader.t = t
         self._tables.append({"t": t, "do": "drag", "to": place})
@@ -195,7 +194,7 @@ class WrittenScript:
 
     def last_line(self) -> str:
         """The text of the last event, without the end of its line."""
-        return _LINE.encode(self._tables[-1])
+        return _line_of(self._tables[-1])
 
     @property
     def largest_gesture(self) -> int:
@@ -219,6 +218,29 @@ class WrittenScript:
         """The script so far."""
         text = self.text()
         return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
+
+
+def _at_another_place(last: Drag, line: int, t: float, to: tuple[float, ...]) -> Drag:
+    """A drag as another one, which is valid, but for its line, time and place.
+
+    It is what `model_copy` makes of it with an update, which would look at each field first.
+    """
+    event = Drag.__new__(Drag)
+    put = object.__setattr__
+    put(event, "__dict__", last.__dict__ | {"line": line, "t": t, "to": to})
+    for name in ("__pydantic_fields_set__", "__pydantic_extra__", "__pydantic_private__"):
+        put(event, name, getattr(last, name))
+    return event
+
+
+def _line_of(table: Table) -> str:
+    """The text of an event, without the end of its line."""
+    if [*table] == _DRAG:
+        t, do, to = table.values()
+        if do == "drag" and type(t) is float and isinstance(to, list) and all(type(one) is float for one in to):
+            # The same as the encoder writes, which finds out first what there is.
+            return f'{{"t": {t!r}, "do": "drag", "to": [{", ".join(map(repr, to))}]}}'
+    return _LINE.encode(table)
 
 
 def _end(t: float, frames: int) -> float:

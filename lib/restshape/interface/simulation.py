@@ -60,6 +60,7 @@ class Simulation(Edits):
 
     Attributes:
         frame: the last one; closed: no event can come any more.
+        shown: what those who show its frames keep from one to the next.
 
     Raises:
         UserError: the scene cannot be simulated, or not be predicted.
@@ -85,6 +86,7 @@ class Simulation(Edits):
         self._replay = frame_loop(request, recorder)
         self._answer = LastAnswer(self._replay, request)
         self._strict, self.closed = strict, False
+        self.shown: dict[object, object] = {}
         self._rows: Iterator[RowValues] = self._replay.answers(iter([self._replay.session.first()]))
         self.frame = next(self._frames())
 

@@ -17,7 +17,6 @@ from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
-from restshape.live.frame_header import header_of
 from restshape.live.gesture_numbers import Gestures
 from restshape.live.json_text import json_bytes
 from restshape.live.link import ENDED_BY_HAND, Link, LinkClosed
@@ -158,6 +157,8 @@ class Worker(MessageLoop):
 
     def _cancelled(self) -> bool:
         """Goes on from before the event where the server, which does not end several ranks, has passed on a cancel."""
+        if not self.live.shared:
+            return False
         with suppress(LinkClosed):
             self.waits()
         cancels = [number for number, one in enumerate(self._waiting) if isinstance(one, page.CancelMessage)]
@@ -346,7 +347,7 @@ class Worker(MessageLoop):
     def moment(self) -> Moment:
         """What a page sees of the last frame."""
         live, frame = self.live, self.live.sim.frame
-        header = header_of(frame.index, frame.row, live.scene, live.hand)
+        header = self.words.headers(frame.index, frame.row, live.scene, live.hand)
         if self._due is not None:
             header["runs"] = True
         if live.recorder is not None:

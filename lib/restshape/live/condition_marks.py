@@ -91,9 +91,9 @@ class LoadArrows:
         both, at = seen.moved(self.ends), seen.places(self.ends)
         moved = None if both is None else 0.5 * (both[:, 0] + both[:, 1])
         if not _equal(at, self._at):
-            self._at, self._last = at, replace(self._made(seen.scene, at), moved=moved)
+            self._at, self._last = at, self._made(seen.scene, at).gone(moved)
         elif not _equal(moved, self._last.moved):
-            self._last = replace(self._last, moved=moved)
+            self._last = self._last.gone(moved)
         return self._last
 
     def _made(self, scene: Scene, ends: Reals) -> Arrows | Lines:

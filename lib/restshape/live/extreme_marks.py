@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import zip_longest
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,13 +68,17 @@ class ExtremeMarks:
         if quantities is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
             self._bound = quantities, space, space.topology
             self._looked_at = {one.name: one for one in _looked_at(seen)}
-        findings = {one.subjects[0]: one for one in seen.frame.findings if _on_limit(one)}
+        said = seen.frame.findings if seen.frame.row["findings"] else ()
+        findings = {one.subjects[0]: one for one in said if _on_limit(one)}
         marks: list[Words] = []
         for name, one in self._looked_at.items():
-            node, found = self._node(one, seen), findings.pop(name, None)
+            found = findings.pop(name, None) if findings else None
+            if found is None and not one.field:
+                continue
+            node = self._node(one, seen)
             if found is not None:
                 marks.append(_words(_limit_words(found), _meaning(found), node, seen))
-            elif one.field and node is not None:
+            elif node is not None:
                 marks.append(_words(_said(one, seen, node), "guide", node, seen))
         marks += [_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values()]
         # What is said again is the same object: it is not sent to the page again.
@@ -88,15 +93,16 @@ class ExtremeMarks:
         if one.reduce in ("absmax", "peak"):
             values = np.abs(values)
         place = int(values.argmin() if one.reduce == "min" else values.argmax())
-        if not np.isfinite(values[place]):
+        if not isfinite(found := float(values[place])):
             # Some are not known: the extreme is among the others.
             known = np.flatnonzero(np.isfinite(values))
             if not len(known):
                 return None
             place = int(known[values[known].argmin() if one.reduce == "min" else values[known].argmax()])
+            found = float(values[place])
         value = number(seen.frame.row, quantity_column(one.name)) if one.name else np.nan
         # A peak over the time steps of a frame may be nowhere at its end.
-        if abs(values[place] - value) > SAME * abs(value):
+        if abs(found - value) > SAME * abs(value):
             return None
         return int(place if nodes is None else nodes[place])
 

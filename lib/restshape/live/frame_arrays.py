@@ -8,16 +8,16 @@ from typing import Literal
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.arrays import AnyArray
-from restshape.live.link import Buffer
 
 ALIGNED = 8
 """Arrays begin at multiples of so many bytes."""
-PADDING = bytes(ALIGNED)
 FLOAT = np.dtype("<f4")
 SHORT, LONG = np.dtype("<u2"), np.dtype("<u4")
-TYPES = {FLOAT: "f4", SHORT: "u2", LONG: "u4"}
-"""What the header calls the types in which arrays travel."""
+TYPES = {FLOAT.str: "f4", SHORT.str: "u2", LONG.str: "u4"}
+"""What the header calls the types in which arrays travel, by NumPy's names of them; others are converted."""
+BYTES = {"f4": 4, "u2": 2, "u4": 4}
 Kind = Literal["surface", "lines", "dots"]
 
 
@@ -39,13 +39,6 @@ class PicturePart:
     said: Mapping[str, object] = field(default_factory=dict)
 
 
-def shortened(values: AnyArray) -> AnyArray:
-    """An array in the type in which it travels, contiguous; indices are no longer signed."""
-    if values.dtype in TYPES and values.flags.c_contiguous:
-        return values
-    return np.ascontiguousarray(values, dtype=FLOAT if values.dtype.kind == "f" else LONG)
-
-
 def sent_points(points: AnyArray) -> AnyArray:
     """A copy of points (m, 2) or (m, 3) in f4, as they travel; the page adds z = 0 to those in the plane."""
     return points.astype(FLOAT, order="C")
@@ -60,20 +53,21 @@ class MessageBody:
     """The arrays of a message, one after the other.
 
     Attributes:
-        pieces: the bytes.
+        size: of all [bytes].
     """
 
     def __init__(self) -> None:
-        self.pieces: list[Buffer] = []
-        self._at = 0
+        self.size = 0
+        self._arrays: list[AnyArray] = []
 
     def add(self, values: AnyArray) -> dict[str, object]:
-        """Adds an array; where it is, as the header says it."""
-        found = shortened(values)
-        place = {"at": self._at, "type": TYPES[found.dtype], "shape": list(found.shape)}
-        size = found.nbytes
-        self.pieces.append(found.data)
-        if room := -size % ALIGNED:
-            self.pieces.append(PADDING[:room])
-        self._at += size + room
+        """Adds an array; where it is, as the header says it. It must not be written to before `packed`."""
+        kind = TYPES.get(values.dtype.str) or ("f4" if values.dtype.kind == "f" else "u4")
+        place = {"at": self.size, "type": kind, "shape": values.shape}
+        self._arrays.append(values)
+        self.size += -(-values.size * BYTES[kind] // ALIGNED) * ALIGNED
         return place
+
+    def packed(self) -> bytes:
+        """The bytes, which are written in one pass."""
+        return _kernels.packed(self._arrays, self.size)

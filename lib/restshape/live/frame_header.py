@@ -24,9 +24,14 @@ def columns_of(row: RowValues) -> dict[str, object]:
 
 def errors_of(row: RowValues, quantities: Iterable[str]) -> dict[str, float]:
     """Estimated errors of quantities, of those alone that have one; infinite where mesh refinement finds no limit."""
+    return _errors_in(row, ((name, error_column(name)) for name in quantities))
+
+
+def _errors_in(row: RowValues, columns: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """The numbers of columns that have one, by the quantities that they are of."""
     found = {}
-    for name in quantities:
-        error = row.get(error_column(name))
+    for name, column in columns:
+        error = row.get(column)
         if isinstance(error, float) and not isnan(error):
             found[name] = float(error)
     return found
@@ -57,20 +62,44 @@ def limits_of_columns(row: RowValues, scene: Scene) -> dict[str, str]:
     return found
 
 
-def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
-    """The header of a frame, but its parts and marks, and the message that it answers.
+class FrameHeaders:
+    """Makes the header of each frame; what its scene has to say of columns stays as long as the scene does."""
 
-    Args:
-        number: of the frame.
-        row: of the frame; scene: with the values that hold in it.
-        hand: what it holds, and where it is; None: it holds nothing.
-    """
-    limited = [name for name, one in scene.quantities.items() if one.min is not None or one.max is not None]
-    return {
-        "type": "frame",
-        "number": number,
-        "columns": columns_of(row),
-        "errors": errors_of(row, scene.quantities),
-        "limits": limits_of_frame(row, limited) | limits_of_columns(row, scene),
-        "held": hand,
-    }
+    def __init__(self) -> None:
+        self._scene: Scene | None = None
+        self._limited: list[str] = []
+        self._errors: list[tuple[str, str]] = []
+        self._limits_columns = False
+
+    def __call__(
+        self, number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None
+    ) -> dict[str, object]:
+        """The header of a frame, but its parts and marks, and the message that it answers.
+
+        Args:
+            number: of the frame.
+            row: of the frame; scene: with the values that hold in it.
+            hand: what it holds, and where it is; None: it holds nothing.
+        """
+        if scene is not self._scene:
+            self._bind(scene)
+        limits = limits_of_frame(row, self._limited) if self._limited else {}
+        return {
+            "type": "frame",
+            "number": number,
+            "columns": columns_of(row),
+            "errors": _errors_in(row, self._errors),
+            "limits": limits | limits_of_columns(row, scene) if self._limits_columns else limits,
+            "held": hand,
+        }
+
+    def _bind(self, scene: Scene) -> None:
+        self._scene = scene
+        self._limited = [name for name, one in scene.quantities.items() if one.min is not None or one.max is not None]
+        self._errors = [(name, error_column(name)) for name in scene.quantities]
+        self._limits_columns = bool(application_of(scene).shown_columns(scene))
+
+
+def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
+    """The header of one frame; as of `FrameHeaders`."""
+    return FrameHeaders()(number, row, scene, hand)

@@ -51,14 +51,15 @@ class FrameEncoder:
             self._marks = [*marks]
         text = json_bytes(whole)
         text += b" " * (-(LENGTH.size + len(text)) % ALIGNED)
-        return [LENGTH.pack(len(text)), text, *body.pieces]
+        return [LENGTH.pack(len(text)), text, body.packed()]
 
     def _part(self, part: PicturePart, body: MessageBody) -> dict[str, object]:
         """What has changed of a part, whose arrays that are no more are empty; nothing where all is as before."""
         known = self._parts.get(part.name)
         before = known.arrays if known else {}
         arrays = {key: body.add(values) for key, values in part.arrays.items() if before.get(key) is not values}
-        arrays |= {key: body.add(before[key][:0]) for key in before if key not in part.arrays}
+        if before.keys() - part.arrays.keys():
+            arrays |= {key: body.add(before[key][:0]) for key in before if key not in part.arrays}
         if known and not arrays and known.said == part.said:
             return {}
         return {"name": part.name, "kind": part.kind, "role": part.role, **part.said, "arrays": arrays}

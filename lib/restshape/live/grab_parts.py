@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -104,7 +104,7 @@ class OutlineParts:
         self._topology = -1
         self._parts: list[PicturePart] = []
         self._curves = OutlineCurves.none()
-        self._controls: list[tuple[int, str]] = []
+        self._controls: list[int] = []
 
     def __call__(self, outline: Outline | None) -> list[PicturePart]:
         """The parts of an outline; none without one."""
@@ -114,11 +114,12 @@ class OutlineParts:
             self._cut(outline)
         self._outline = outline
         lines = sent_points(self._curves.points(outline.points))
-        starts = self._parts[0].arrays["starts"]
-        places: dict[str, dict[str, AnyArray]] = {"outline": {"points": lines, "starts": starts}}
-        places["vertices"] = {"points": sent_points(outline.points[: len(outline.vertex_names)])}
-        places["controls"] = {"points": sent_points(outline.points[[k for k, _ in self._controls]])}
-        self._parts = [_moved(part, places[part.name]) for part in self._parts]
+        edges, vertices, controls = self._parts
+        edges = PicturePart("outline", "lines", "outline", {**edges.arrays, "points": lines}, edges.said)
+        vertices = _moved(vertices, sent_points(outline.points[: len(outline.vertex_names)]))
+        if self._controls or not controls.arrays:
+            controls = _moved(controls, sent_points(outline.points[self._controls]))
+        self._parts = [edges, vertices, controls]
         return self._parts
 
     def _bent(self, outline: Outline) -> bool:
@@ -131,23 +132,24 @@ class OutlineParts:
         self._topology = outline.topology
         error = 5e-4 * outline.size
         self._curves = OutlineCurves.of(outline, [_pieces(outline, edge, error) for edge in range(len(outline.edges))])
-        self._controls = [(k, edge.name) for edge in outline.edges for k in edge.inner]
+        controls = [(k, edge.name) for edge in outline.edges for k in edge.inner]
+        self._controls = [k for k, _ in controls]
         starts = sent_indices(self._curves.first[:-1], int(self._curves.first[-1]))
         self._parts = [
             PicturePart(
                 "outline", "lines", "outline", {"starts": starts}, {"names": [edge.name for edge in outline.edges]}
             ),
             PicturePart("vertices", "dots", "outline", {}, {"names": list(outline.vertex_names)}),
-            PicturePart("controls", "dots", "outline", {}, {"names": [name for _, name in self._controls]}),
+            PicturePart("controls", "dots", "outline", {}, {"names": [name for _, name in controls]}),
         ]
 
 
-def _moved(part: PicturePart, arrays: Mapping[str, AnyArray]) -> PicturePart:
-    """A part at other places; the same one where they are the same."""
+def _moved(part: PicturePart, points: AnyArray) -> PicturePart:
+    """Dots at other places; the same ones where they are the same."""
     before = part.arrays.get("points")
-    if before is not None and before.tobytes() == arrays["points"].tobytes():
+    if before is not None and before.tobytes() == points.tobytes():
         return part
-    return PicturePart(part.name, part.kind, part.role, arrays, part.said)
+    return PicturePart(part.name, part.kind, part.role, {"points": points}, part.said)
 
 
 def _pieces(outline: Outline, edge: int, error: float) -> Reals:

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, TypeVar, cast
-from weakref import WeakKeyDictionary
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
     from restshape.live.shown_marks import Mark
 
 T = TypeVar("T")
-_KEPT: WeakKeyDictionary[Simulation, dict[object, object]] = WeakKeyDictionary()
 
 
 def kept(simulation: Simulation, make: Callable[[], T]) -> T:
@@ -21,10 +19,10 @@ def kept(simulation: Simulation, make: Callable[[], T]) -> T:
     Args:
         simulation: whose marks are shown; make: a class, or a function, of the module that shows them.
     """
-    own = _KEPT.setdefault(simulation, {})
-    if make not in own:
-        own[make] = make()
-    return cast("T", own[make])
+    own = simulation.shown
+    if (found := own.get(make)) is None:
+        found = own[make] = make()
+    return cast("T", found)
 
 
 Marks = Callable[["Simulation"], "list[Mark]"]

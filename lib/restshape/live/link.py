@@ -57,6 +57,12 @@ class Taken:
         Raises:
             LinkClosed: the other side says what no message is.
         """
+        if not self._bytes and len(piece) >= HEAD.size:
+            length, kind = HEAD.unpack_from(piece)
+            if kind == TEXT and len(piece) == HEAD.size + length:
+                # One whole message, as most are.
+                self.whole.append(str(piece[HEAD.size :], "utf-8"))
+                return
         self._bytes += piece
         at = 0
         while len(self._bytes) - at >= HEAD.size:

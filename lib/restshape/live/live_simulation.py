@@ -91,7 +91,10 @@ class LiveSimulation:
         lines: of the script, which have come since somebody took them.
         missed: the last event was to take hold of something, and was refused: scripts let go of that, too.
         recorder: takes the frames; None: they are not recorded.
+        shared: other ranks follow, which nobody ends in the middle of a frame.
     """
+
+    shared = False
 
     def __init__(self, scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> None:
         self._scene, self._manner = scene, manner

@@ -7,7 +7,7 @@ from functools import singledispatch
 import numpy as np
 
 from restshape.interface.plain import plain
-from restshape.live.frame_arrays import MessageBody, sent_points
+from restshape.live.frame_arrays import MessageBody
 from restshape.live.shown_marks import Arrows, Chart, Lines, Offer, Tone, Words
 
 
@@ -20,14 +20,14 @@ def placed(mark: object, body: MessageBody) -> dict[str, object]:
 @placed.register(Lines)
 def _(mark: Lines, body: MessageBody) -> dict[str, object]:
     said = {"kind": "lines", "name": mark.name, "meaning": mark.meaning, "words": list(mark.words)}
-    lines = {"starts": list(map(int, mark.starts)), "points": body.add(sent_points(mark.points))}
+    lines = {"starts": list(map(int, mark.starts)), "points": body.add(mark.points)}
     return said | lines | _moved(mark, body)
 
 
 @placed.register(Arrows)
 def _(mark: Arrows, body: MessageBody) -> dict[str, object]:
     said = {"kind": "arrows", "name": mark.name, "meaning": mark.meaning, "unit": mark.unit, "words": list(mark.words)}
-    arrays = {"points": body.add(sent_points(mark.points)), "vectors": body.add(sent_points(mark.vectors))}
+    arrays = {"points": body.add(mark.points), "vectors": body.add(mark.vectors)}
     return said | arrays | {"tips": [bool(one) for one in mark.tips]} | _moved(mark, body)
 
 
@@ -61,7 +61,7 @@ def _(mark: Tone, body: MessageBody) -> dict[str, object]:
 
 def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
     """Where the displacements of its points are, where it has any."""
-    return {} if mark.moved is None else {"moved": body.add(sent_points(mark.moved))}
+    return {} if mark.moved is None else {"moved": body.add(mark.moved)}
 
 
 def _numbers(values: object) -> list[float]:

@@ -43,7 +43,7 @@ class MovedMarks:
             marks: of the application; parts: of the picture, of which the shape moves marks.
         """
         shape = next((one for one in parts if one.role == "shape" and "displacement" in one.arrays), None)
-        if shape is None:
+        if shape is None or not any(map(_left, marks)):
             return marks
         now = shape.arrays["points"], shape.arrays["displacement"]
         shift = shape.said.get("shift")
@@ -57,6 +57,13 @@ class MovedMarks:
         return [drawn for _, drawn in known]
 
 
+def _left(mark: Mark) -> bool:
+    """Whether a mark has points, and leaves it to the shape how they move."""
+    if not isinstance(mark, ALONG + AT_A_PLACE) or mark.moved is not None:
+        return False
+    return isinstance(mark, Tone) or mark.meaning not in STAYS
+
+
 def _with_moves(mark: Mark, shape: _DrawnShape, last: Mark | None) -> Mark:
     """A mark with the displacements of its points, where it has points and says nothing of them itself.
 
@@ -64,11 +71,7 @@ def _with_moves(mark: Mark, shape: _DrawnShape, last: Mark | None) -> Mark:
         mark: of the application; shape: that moves it.
         last: what became of the same mark in the frame before, which stays where it has not moved; None: nothing.
     """
-    if (
-        not isinstance(mark, ALONG + AT_A_PLACE)
-        or mark.moved is not None
-        or (not isinstance(mark, Tone) and mark.meaning in STAYS)
-    ):
+    if not isinstance(mark, ALONG + AT_A_PLACE) or not _left(mark):
         return mark
     if isinstance(mark, AT_A_PLACE):
         if mark.at is None:

@@ -32,7 +32,7 @@ def recorded_marks(scene: Scene, outline: Outline, row: Mapping[str, object], X:
     return [*_supports(scene, outline), *_loads(scene, outline, X), *goals, *singular_marks(row)]
 
 
-def singular_marks(row: Mapping[str, object]) -> list[Mark]:
+def singular_marks(row: Mapping[str, object]) -> list[Lines]:
     """Where quantities of a row have no limit under refinement."""
     found = decode_places(str(row.get(SINGULAR_PLACES, "")))
     if not len(found.points):

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
@@ -13,7 +16,13 @@ from restshape.live.shown_marks import Lines, Mark
 from restshape.replay.recorded_places import SINGULAR_PLACES
 from restshape.report.goal_curves import goals_in
 
+ROUNDED = 1e-5
+"""How far a place in a text may be from its node, in parts of the largest coordinate."""
+EXPONENTS = re.compile(r"(?<=\":)[^,}]+")
+"""Numbers in the text of singular places."""
+
 if TYPE_CHECKING:
+    from restshape.arrays import Indices, Reals
     from restshape.interface.simulation import Simulation
     from restshape.scene.model import Scene
 
@@ -29,7 +38,9 @@ class ShapeMarks:
 
     def __init__(self) -> None:
         self.conditions, self.extremes = ConditionMarks(), ExtremeMarks()
-        self._places: tuple[str, list[Mark]] = ("", [])
+        self._places: tuple[list[str], Lines | None] = ([], None)
+        self._at: tuple[object, ...] = ()
+        self._nodes: Indices | None = None
         self._goals: tuple[Scene | None, list[Mark]] = (None, [])
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
@@ -45,7 +56,23 @@ class ShapeMarks:
 
     def _singular(self, seen: SeenFrame) -> list[Mark]:
         """Where quantities have no limit under refinement."""
-        text = str(seen.frame.row.get(SINGULAR_PLACES, ""))
-        if text != self._places[0]:
-            self._places = text, singular_marks(seen.frame.row)
-        return self._places[1]
+        # Exponents, which differ from frame to frame, are not said.
+        said = EXPONENTS.split(str(seen.frame.row.get(SINGULAR_PLACES, "")))
+        if said != self._places[0]:
+            self._places = said, next(iter(singular_marks(seen.frame.row)), None)
+        mark = self._places[1]
+        if mark is None:
+            return []
+        at = mark, seen.space, seen.space.topology
+        if at != self._at:
+            self._at, self._nodes = at, _nodes_at(mark.points, seen.space.X)
+        moved = None if self._nodes is None else seen.moved(self._nodes)
+        return [mark if moved is None else mark.gone(moved)]
+
+
+def _nodes_at(points: Reals, X: Reals) -> Indices | None:
+    """The nodes (k,) at places (k, 2), which their text has to six digits; None where one has none."""
+    apart = np.abs(X[None] - points[:, None]).max(axis=2)
+    nodes = apart.argmin(axis=1)
+    near = apart[np.arange(len(nodes)), nodes] <= ROUNDED * np.abs(X).max()
+    return nodes if near.all() else None

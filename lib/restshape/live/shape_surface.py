@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.arrays import AnyArray, Indices, Reals
 from restshape.live.frame_arrays import PicturePart, sent_points
 from restshape.live.shifted_points import ShiftedPoints
@@ -92,12 +93,16 @@ class ShapeSurface:
         self._moved = geometry is not None and geometry != self._geometry
         self._geometry = geometry
         shown = self._triangles
+        moved = at_nodes.get("displacement")
+        if self._moved and shown.nodes is None and moved is not None and colours is not None and not colours.in_cells:
+            values = at_nodes[colours.source]
+            if values.ndim == 1:
+                return self._after_move(X, moved, values, colours.name)
         arrays = {
             "points": self._kept("points", sent_points(shown.chosen(X))),
             "cells": shown.corners,
             "border": shown.border,
         }
-        moved = at_nodes.get("displacement")
         said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
         if moved is None and (mode := _mode(at_nodes, colours)) in at_nodes:
             moved, said = at_nodes[mode], said | {"mode": int(mode.removeprefix(MODE))}
@@ -109,6 +114,22 @@ class ShapeSurface:
             key = "valueInCells" if colours.in_cells else "value"
             arrays[key], known = self._valued(key, given, colours.in_cells)
             said |= {"field": colours.name, "range": known}
+        return PicturePart("shape", "surface", "shape", arrays, said)
+
+    def _after_move(self, X: Reals, moved: Reals, values: Reals, field: str) -> PicturePart:
+        """The part of a frame whose nodes have moved, all of which are shown, by one pass over its fields.
+
+        It is the usual one of a drag; so it is the same as elsewhere, in less time.
+        """
+        points, displacement, value, low, high = _kernels.sent_fields(X, moved, values)
+        self._known["points"], self._known["value"] = points, value
+        self._shifted = ShiftedPoints()
+        displacement, _ = self._shifted(moved, displacement)
+        shown = self._triangles
+        arrays = {"points": points, "cells": shown.corners, "border": shown.border}
+        arrays |= {"displacement": displacement, "value": value}
+        said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
+        said |= {"field": field, "range": [low, high] if isfinite(low) else None}
         return PicturePart("shape", "surface", "shape", arrays, said)
 
     def _displaced(self, values: Reals) -> tuple[AnyArray, list[float] | None]:
@@ -139,10 +160,10 @@ class ShapeSurface:
         flat = scalar.ravel()
         low = float(np.minimum.reduce(flat, initial=np.inf))
         high = float(np.maximum.reduce(flat, initial=-np.inf))
-        if not (np.isfinite(low) and np.isfinite(high)):
+        if not (isfinite(low) and isfinite(high)):
             finite = scalar[np.isfinite(scalar)]
             low, high = (float(finite.min()), float(finite.max())) if finite.size else (np.inf, np.inf)
-        return self._kept(key, shown.astype("<f4")), [low, high] if np.isfinite(low) else None
+        return self._kept(key, shown.astype("<f4")), [low, high] if isfinite(low) else None
 
 
 def mode_of(field: str) -> int:

@@ -24,6 +24,8 @@ END = "close"
 class SharedSimulation(LiveSimulation):
     """The simulation on the first rank, whose calls the other ranks follow; arguments as of `LiveSimulation`."""
 
+    shared = True
+
     def __init__(self, scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> None:
         self._ranks = PETSc.COMM_WORLD.tompi4py()
         self._within = False

@@ -34,6 +34,10 @@ class Lines:
     words: Sequence[str] = ()
     mode: int = 0
 
+    def gone(self, moved: Reals | None) -> Lines:
+        """The same lines with other displacements."""
+        return Lines(self.name, self.points, self.starts, self.meaning, moved, self.words, self.mode)
+
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
@@ -58,6 +62,10 @@ class Arrows:
     words: Sequence[str] = ()
     moved: Reals | None = None
     tips: Sequence[bool] = ()
+
+    def gone(self, moved: Reals | None) -> Arrows:
+        """The same arrows with other displacements."""
+        return Arrows(self.name, self.points, self.vectors, self.unit, self.meaning, self.words, moved, self.tips)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from restshape.application import ShownColumn, application_of
+from restshape.live.frame_header import FrameHeaders
 from restshape.live.settable_numbers import SceneNumbers
 from restshape.scene.edit_script import events_of
 
@@ -22,10 +23,13 @@ NEWS = 0.1
 
 
 class SessionWords:
-    """What a page knows of a session besides frames.
+    """What a page knows of a session besides the pictures of frames.
 
     Args:
         live: what is simulated.
+
+    Attributes:
+        headers: makes those of frames.
     """
 
     def __init__(self, live: LiveSimulation) -> None:
@@ -33,6 +37,7 @@ class SessionWords:
         self._said: dict[str, object] = {}
         self._looked: tuple[object, ...] = ()
         self._forms, self._when = True, -inf
+        self.headers = FrameHeaders()
 
     def welcome(self, more: Mapping[str, object]) -> dict[str, object]:
         """All of it but the schemas of events, which `forms` says, with what the session itself has to say."""
