@@ -69,6 +69,24 @@ def test_cut_and_merge_of_a_line_gives_the_line_back():
     assert after.entity("bottom").edges
 
 
+@pytest.mark.parametrize("bulge", [0.3, -0.2, 1.5])
+def test_cut_and_merge_of_an_arc_gives_the_arc_back(bulge):
+    before = topology_edits.as_arc(plate(), 0, bulge)
+    after = topology_edits.delete(topology_edits.insert(before, "bottom", "q", s=0.3), "q")
+    assert after.area() == pytest.approx(before.area(), rel=1e-12)
+    assert after.edges[after.entity("bottom").edges[0]].kind == "arc"
+
+
+def test_a_circle_without_one_of_its_vertices_is_the_circle_and_unlike_arcs_become_a_line():
+    before = plate()
+    assert topology_edits.delete(before, "window.v1").area() == pytest.approx(before.area(), rel=1e-12)
+    cut = topology_edits.insert(topology_edits.as_arc(plate(), 0, 0.3), "bottom", "q", s=0.5)
+    bulges = cut.bulges.copy()
+    bulges[cut.entity("bottom.2").edges[0]] *= 2.0
+    unlike = topology_edits.delete(cut.moved(bulges=bulges), "q")
+    assert unlike.area() == pytest.approx(plate().area(), rel=1e-12)
+
+
 def test_a_hole_goes_with_its_edges_and_vertices():
     after = topology_edits.delete(plate(), "window")
     assert after.names("hole") == []

@@ -16,6 +16,10 @@ from restshape.shape.draft import Draft, DraftEdge, add_circle, add_polygon, dra
 from restshape.shape.outline import Entity, Outline
 
 NEAREST_SAMPLES = 64
+SAME_CIRCLE = 1e-6
+"""Distance of the middles of two arcs, over their radius, below which they are of one circle."""
+MOST_QUARTERS = 1.5
+"""A quarter of the angle [rad] of an arc that two may become at most."""
 
 
 def insert(outline: Outline, on: str, name: str, at: Reals | None = None, s: float | None = None) -> Outline:
@@ -150,9 +154,10 @@ def _refined(outline: Outline, edge: int, at: Reals, lower: float, upper: float)
 
 
 def delete(outline: Outline, on: str) -> Outline:
-    """The outline without a hole, a region, or a vertex, whose two edges become one straight edge.
+    """The outline without a hole, a region, or a vertex, whose two edges become one.
 
-    The edge that arrives at the vertex, with the material on the left, keeps its name.
+    It is an arc where both were arcs of one circle, else straight. The edge that arrives at the vertex, with the
+    material on the left, keeps its name.
 
     Raises:
         UserError: anything else, or a vertex that its loop cannot do without.
@@ -195,11 +200,34 @@ def _merge(draft: Draft, vertex: str) -> None:
     kept, gone = draft.edges[arriving], draft.edges[leaving]
     far = gone.end if gone.start == vertex else gone.start
     ends = {"end": far} if forward else {"start": far}
-    straight = replace(kept, kind="line", inner=(), knots=(), ends=("natural", "natural"), bulge=0.0, **ends)
-    draft.edges[arriving] = straight
+    bulge = _bulge_of_both(draft, kept, gone, vertex)
+    kind = "arc" if bulge else "line"
+    draft.edges[arriving] = replace(
+        kept, kind=kind, inner=(), knots=(), ends=("natural", "natural"), bulge=bulge, **ends
+    )
     del draft.edges[leaving]
     draft.loops = [(loop, kind, [part for part in parts if part[0] != leaving]) for loop, kind, parts in draft.loops]
     draft.vertices = {name: p for name, p in draft.vertices.items() if name != vertex}
+
+
+def _bulge_of_both(draft: Draft, kept: DraftEdge, gone: DraftEdge, vertex: str) -> float:
+    """The bulge, along the kept edge, of two arcs that meet at a vertex as one; 0 unless they are of one circle."""
+    if kept.kind != "arc" or gone.kind != "arc":
+        return 0.0
+    on = (kept.end == vertex) == (gone.start == vertex)
+    other = gone.bulge if on else -gone.bulge
+    middles = [_middle(draft, edge) for edge in (kept, gone)]
+    size = abs(middles[0] - complex(*draft.vertices[vertex]))
+    quarters = float(np.arctan(kept.bulge) + np.arctan(other))
+    if kept.bulge * other <= 0.0 or abs(middles[1] - middles[0]) > SAME_CIRCLE * size or abs(quarters) >= MOST_QUARTERS:
+        return 0.0
+    return float(np.tan(quarters))
+
+
+def _middle(draft: Draft, edge: DraftEdge) -> complex:
+    """The middle [m] of an arc's circle, x + iy."""
+    start, end = (complex(*draft.vertices[name]) for name in (edge.start, edge.end))
+    return 0.5 * (start + end) + 0.25j * (end - start) * (1.0 / edge.bulge - edge.bulge)
 
 
 def _tidy_groups(draft: Draft) -> None:
