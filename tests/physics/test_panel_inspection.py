@@ -1,10 +1,13 @@
-"""What `restshape check` shows of panels: where they lie, and regions of one half of a panel on the fold."""
+"""What `restshape check` shows of panels: where they lie, how large they are, and regions of one half of a fold."""
+
+import math
 
 import pytest
 from small_scenes import write_scene
 from test_pattern_panels import garment, panel
 
 from restshape.cli.bare_numbers import bare_numbers
+from restshape.mesh.entity_area import entity_area
 from restshape.physics.cloth.panel_inspection import inspect_panels
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
@@ -40,3 +43,12 @@ def test_places_of_panels_are_those_of_their_outlines(tmp_path):
 def test_a_region_that_one_half_has_alone_is_warned_of(tmp_path, region, warned):
     found = inspect_panels(scene_of(tmp_path, panel("front", 'mirror = "left"', PATCH), HEAVY.format(region))).warnings
     assert len(found) == bool(warned) and all(warned in one for one in found)
+
+
+def test_the_area_of_a_panel_is_its_own_less_its_holes(tmp_path):
+    holed = panel("front", 'mirror = "left"', "holes = { bore = { circle = { center = [0.1, 0.08], radius = 0.02 } } }")
+    outline = outline_from_spec(scene_of(tmp_path, holed, panel("back", "move = [0, 0, 3]")).shape)
+    front, back = 2.0 * (0.2 * 0.15 - math.pi * 0.02**2), 0.2 * 0.15
+    assert [entity_area(outline, name) for name in ("front", "back", "all")] == pytest.approx(
+        [front, back, front + back]
+    )

@@ -14,8 +14,8 @@ INWARD = 1e-6
 def signed_loops(outline: Outline, name: str | None = None) -> tuple[tuple[int, int], ...]:
     """Loops, and the signs with which they count, whose areas add up to what an entity fills.
 
-    A region is less the regions and the holes in it, as the cells of a mesh are sorted; see `Mesh.cells_of`. Empty for
-    an entity without an inside.
+    A region is less the regions and the holes in it, as the cells of a mesh are sorted; see `Mesh.cells_of`. A piece of
+    several, as a panel, is less its own holes. Empty for an entity without an inside.
 
     Args:
         outline: the shape; loops must not cross.
@@ -26,8 +26,11 @@ def signed_loops(outline: Outline, name: str | None = None) -> tuple[tuple[int, 
     """
     loops = outline.loops
     wanted = range(len(loops)) if name is None else outline.entity(name).loops
-    if any(loops[i].kind == "outline" for i in wanted):
-        return tuple((i, 1) for i, loop in enumerate(loops) if loop.kind != "region")
+    if outer := {i for i in wanted if loops[i].kind == "outline"}:
+        pieces = {int(outline.layout.edge_piece[loops[i].edges[0][0]]) for i in outer}
+        holes = {i for i, loop in enumerate(loops) if loop.kind == "hole"}
+        own = {i for i in holes if int(outline.layout.edge_piece[loops[i].edges[0][0]]) in pieces}
+        return tuple((i, 1) for i in sorted(outer | own))
     regions = [i for i in wanted if loops[i].kind == "region"]
     if not regions:
         return ()
