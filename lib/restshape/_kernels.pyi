@@ -812,12 +812,14 @@ def locate(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
     points: numpy.typing.NDArray[numpy.float64],
+    close: bool = False,
 ) -> tuple: ...
 def locate_quadratic(
     X: numpy.typing.NDArray[numpy.float64],
     corners: numpy.typing.NDArray[numpy.int32],
     cells: numpy.typing.NDArray[numpy.int32],
     points: numpy.typing.NDArray[numpy.float64],
+    close: bool = False,
 ) -> tuple: ...
 def longest_sides(
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -6,6 +6,7 @@ from mesh_samples import holed_mesh, l_mesh, shaken
 
 from restshape import _kernels
 from restshape.mesh.extrude import Extrusion
+from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.plate import PlateMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.transfer import Transfer, transfer
@@ -52,6 +53,20 @@ def test_points_are_found_in_the_triangle_that_holds_them():
     found, coordinates = _kernels.locate(mesh.X, mesh.cells, points)
     assert np.array_equal(found, cells)
     assert np.allclose(coordinates, weights, atol=1e-9)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_points_that_follow_each_other_are_found_in_the_same_triangles(order):
+    """None of them lies on a side, where either of two triangles holds it."""
+    mesh = holed_mesh()
+    space = mesh if order == 1 else LagrangeSpace(mesh)
+    rng = np.random.default_rng(2)
+    cells = np.repeat(np.arange(len(mesh.cells)), 3)
+    points = np.einsum("ij,ijk->ik", rng.dirichlet([1, 1, 1], len(cells)), mesh.X[mesh.cells[cells]])
+    points = np.concatenate([points, [[2.5, 0.4]], points[::-1]])
+    plain, close = Transfer(space, points), Transfer(space, points, close=True)
+    assert np.array_equal(close.cells, plain.cells)
+    np.testing.assert_allclose(close.weights, plain.weights, atol=1e-12)
 
 
 def test_a_point_outside_takes_the_nearest_boundary_value():

@@ -119,7 +119,7 @@ Doubles positive_mean_value(const Doubles& points, const Doubles& vertices, cons
     return interpolated(std::move(coordinates), points, values, out);
 }
 
-py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) {
+py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points, bool close) {
     require_rows(X, 2, "X");
     require_rows(cells, 3, "cells");
     require_rows(points, 2, "points");
@@ -127,9 +127,9 @@ py::tuple locate(const Doubles& X, const Indices& cells, const Doubles& points) 
     restshape::Locator locator(X.data(), cells.data(), cells.shape(0));
     Indices found(points.shape(0));
     Doubles weights({points.shape(0), py::ssize_t{3}});
-    for (py::ssize_t i = 0; i < points.shape(0); ++i) {
-        found.mutable_data()[i] = locator.locate(points.data() + 2 * i, weights.mutable_data() + 3 * i);
-    }
+    std::int32_t cell = -1, *to = found.mutable_data();
+    for (py::ssize_t i = 0; i < points.shape(0); ++i)
+        to[i] = cell = locator.locate(points.data() + 2 * i, weights.mutable_data() + 3 * i, close ? cell : -1);
     return py::make_tuple(found, weights);
 }
 
@@ -220,8 +220,11 @@ void bind_mesh(py::module_& m) {
           "Values (n, columns) at points inside the segments, by positive mean value coordinates.");
     m.def("sides_gone", &sides_gone, py::arg("X").noconvert(), py::arg("Y").noconvert(), py::arg("cells").noconvert(),
           "The most sides sqrt(2 A) of a triangle that its corners go from X to Y; infinite where one has no area.");
-    m.def("locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
-          "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point.");
+    m.def(
+        "locate", &locate, py::arg("X").noconvert(), py::arg("cells").noconvert(), py::arg("points").noconvert(),
+        py::arg("close") = false,
+        "Triangle and barycentric coordinates of every point; points outside are put on the nearest boundary point. Of "
+        "close points the triangle of the one before is tried first.");
     m.def("interpolate_rows", &interpolate_rows, py::arg("nodes").noconvert(), py::arg("weights").noconvert(),
           py::arg("rows").noconvert(), py::arg("out").noconvert(),
           "Writes to out rows (count, points, columns) of fields from rows (count, n, columns), each point from its "

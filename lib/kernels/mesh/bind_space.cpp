@@ -44,14 +44,16 @@ py::ssize_t follow_sides(const Doubles& corners, const Indices& corner_number, c
     return invalid;
 }
 
-py::tuple locate_quadratic(const Doubles& X, const Indices& corners, const Indices& cells, const Doubles& points) {
+py::tuple locate_quadratic(const Doubles& X, const Indices& corners, const Indices& cells, const Doubles& points,
+                           bool close) {
     if (corners.shape(0) == 0) throw std::invalid_argument("there are no cells");
     require_size(cells.size(), 2 * corners.size(), "cells");
     restshape::QuadraticLocator locator(X.data(), corners.data(), cells.data(), corners.shape(0));
     Indices found(points.shape(0));
     Doubles values({points.shape(0), py::ssize_t{6}});
+    std::int32_t cell = -1, *to = found.mutable_data();
     for (py::ssize_t i = 0; i < points.shape(0); ++i)
-        found.mutable_data()[i] = locator.locate(points.data() + 2 * i, values.mutable_data() + 6 * i);
+        to[i] = cell = locator.locate(points.data() + 2 * i, values.mutable_data() + 6 * i, close ? cell : -1);
     return py::make_tuple(found, values);
 }
 
@@ -66,7 +68,7 @@ void bind_space(py::module_& m) {
           "corners, in place; returns how many of the curved cells have a Jacobian bound below the floor, over twice "
           "the area of their corners.");
     m.def("locate_quadratic", &locate_quadratic, py::arg("X").noconvert(), py::arg("corners").noconvert(),
-          py::arg("cells").noconvert(), py::arg("points").noconvert(),
+          py::arg("cells").noconvert(), py::arg("points").noconvert(), "close"_a = false,
           "Quadratic triangle of every point and the values (m, 6) of its basis there; points outside are put on the "
-          "nearest boundary point.");
+          "nearest boundary point. Of close points the triangle of the one before is tried first.");
 }

@@ -50,8 +50,10 @@ class Locator {
         fill_buckets();
     }
 
-    // Triangle and barycentric coordinates of a point; a point outside is put on the nearest boundary point.
-    std::int32_t locate(const double* point, double* weights) {
+    // Triangle and barycentric coordinates of a point; a point outside is put on the nearest boundary point. A triangle
+    // that is `tried` first holds the point where it may; -1: none.
+    std::int32_t locate(const double* point, double* weights, std::int32_t tried = -1) {
+        if (tried >= 0 && barycentric(tried, point, weights) >= 0.0) return tried;
         std::int32_t best = -1;
         double closest = -1e-12;
         const std::int32_t bucket = bin(point[0], 0) + bins_[0] * bin(point[1], 1);

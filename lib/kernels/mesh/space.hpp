@@ -60,10 +60,11 @@ class QuadraticLocator {
     QuadraticLocator(const double* X, const std::int32_t* corners, const std::int32_t* cells, std::ptrdiff_t count)
         : X_(X), cells_(cells), straight_(X, corners, count) {}
 
-    // Triangle of a point and the values of its six basis functions; outside, at the nearest place of the boundary.
-    std::int32_t locate(const double* point, double* values) {
+    // Triangle of a point and the values of its six basis functions; outside, at the nearest place of the boundary. The
+    // straight triangle `tried` as of Locator.
+    std::int32_t locate(const double* point, double* values, std::int32_t tried = -1) {
         double w[3];
-        const std::int32_t cell = straight_.locate(point, w);
+        const std::int32_t cell = straight_.locate(point, w, tried);
         double x[6][2], xi[2] = {w[1], w[2]};
         gather_quadratic(X_, cells_ + 6 * cell, x);
         if (curved(x)) bend(x, point, xi);

@@ -38,7 +38,7 @@ class CellSamples:
     def found(self) -> Transfer:
         """Where they lie in the old mesh, all points (q,) of the first cell before those of the others."""
         X = self.values @ self._nodal(self.new.X)
-        return Transfer(self.old, X.reshape(len(X), -1, 2).transpose(1, 0, 2).reshape(-1, 2))
+        return Transfer(self.old, X.reshape(len(X), -1, 2).transpose(1, 0, 2).reshape(-1, 2), close=True)
 
     def lacking_forces(self, u: np.ndarray, start: np.ndarray, moduli: np.ndarray, means: np.ndarray) -> np.ndarray:
         """Nodal forces (n, 2) [N] of the strains that `start` (n, 2) on the new mesh lacks beside u on the old one.

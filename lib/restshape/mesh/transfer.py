@@ -30,6 +30,7 @@ class Transfer:
     Args:
         mesh: where the fields live, triangles of first or second order.
         points: (m, d) where they are wanted [m].
+        close: they follow each other closely, so that they are found faster; one on a side may be found in either cell.
 
     Attributes:
         cells: (m,) that the points lie in; nodes, weights: (m, k) of these, as their fields are interpolated.
@@ -38,15 +39,15 @@ class Transfer:
         ValueError: cells of the mesh's type cannot be searched for points, or points are of another dimension.
     """
 
-    def __init__(self, mesh: FieldNodes, points: np.ndarray) -> None:
+    def __init__(self, mesh: FieldNodes, points: np.ndarray, close: bool = False) -> None:
         points = np.ascontiguousarray(points, dtype=float)
         if not mesh.X.shape[1] == points.shape[1] == mesh.dim:
             many = f"{mesh.X.shape[1]} and {points.shape[1]} coordinates"
             raise ValueError(f"nodes and points have {many}: cells of dimension {mesh.dim} are searched in it alone")
         if mesh.cell_type == "tri6":
-            found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points)
+            found, self.weights = _kernels.locate_quadratic(mesh.X, mesh.corners, mesh.cells, points, close)
         elif mesh.cell_type == "tri3":
-            found, self.weights = _kernels.locate(mesh.X, mesh.cells, points)
+            found, self.weights = _kernels.locate(mesh.X, mesh.cells, points, close)
         else:
             raise ValueError(
                 f"fields are transferred between triangles in the plane, not between cells {mesh.cell_type!r}"
