@@ -26,6 +26,7 @@ from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
 from restshape.physics.cloth.relaxation.keep_apart import kept_apart
+from restshape.physics.cloth.relaxation.pull_supports import pull_supports
 from restshape.physics.cloth.relaxation.relaxation_options import RelaxationOptions
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
@@ -130,6 +131,7 @@ def _placed(
 def _followed(state: RelaxationState, before: RelaxationState, known: np.ndarray) -> RelaxationState:
     """The state with supports and bodies where they are in the frame, from the last positions known (n, 3)."""
     problem = state.problem
+    state, known = pull_supports(state, before.bodies, known)
     if problem.self_contact:
         state = kept_apart(state, known)
     if problem.contact and before.friction is not None:

@@ -80,6 +80,7 @@ def follow_bodies(state: RelaxationState, before: tuple[Body, ...], begin: np.nd
         state.solver.descend(x, ROUGH, ROUNDS * MEMORY, report)
         problem.next_part(x)
     spent = ConvergenceReport()
+    spent.count(state.report)
     spent.count(report)
     notes = (*state.notes, *_remade_notes(state, before))
     notes = notes if parts == 1 else (*notes, f"the way of the bodies was gone in {parts} parts")
