@@ -54,7 +54,7 @@ def _linear_load(old: MassMatrix, new: MassMatrix, v: np.ndarray) -> np.ndarray:
     # Cells of three nodes are those of the mesh itself.
     mesh = cast(Mesh, new.space)
     starts, ends = mesh.edge_nodes.T
-    middle = Transfer(old.space, 0.5 * (mesh.X[starts] + mesh.X[ends]))(v)
+    middle = Transfer(old.space, 0.5 * (mesh.X[starts] + mesh.X[ends]), close=True)(v)
     (ax, ay), (bx, by), (cx, cy) = mesh.X[mesh.cells].transpose(1, 2, 0)
     area = 0.5 * ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax))
     mass = area * np.broadcast_to(new.params, (len(mesh.cells), 1))[:, 0]
