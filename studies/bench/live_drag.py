@@ -17,17 +17,15 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from restshape_studies.bench.live_mouse import Mouse, free_port, mouse_of
 from restshape_studies.bench.live_notes import FIND, NOTES
+from restshape_studies.bench.live_page import BarePage, bare_page
 from restshape_studies.bench.live_processes import Spent, spent
 from restshape_studies.bench.turns import OutOfTime
 
 from restshape.errors import UserError
-
-if TYPE_CHECKING:
-    from playwright.async_api import Page
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = [
@@ -96,24 +94,23 @@ async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[st
         more = [*OPTIONS, f"--remote-debugging-port={port}"]
         chromium = await driver.chromium.launch(executable_path=browser(), args=more)
         try:
-            page = await chromium.new_page(viewport=SCREEN)
-            await page.add_init_script(NOTES)
-            started = time.time()
-            async with _session(scene, overrides) as (process, address):
-                await page.goto(address)
-                first = await _first(page, scene) - started
-                await page.wait_for_timeout(1500)
-                async with mouse_of(port, address) as mouse:
-                    found = await _moved(page, mouse, drag, {os.getpid(): "driver", process.pid: "server"})
+            async with bare_page(port, SCREEN, NOTES) as page:
+                started = time.time()
+                async with _session(scene, overrides) as (process, address):
+                    await page.ask("Page.navigate", {"url": address})
+                    first = await _first(page, scene) - started
+                    await asyncio.sleep(1.5)
+                    with mouse_of(page.debugger) as mouse:
+                        found = await _moved(page, mouse, drag, {os.getpid(): "driver", process.pid: "server"})
         finally:
             await chromium.close()
     return {"first_s": first, **found}
 
 
-async def _first(page: Page, scene: Path) -> float:
+async def _first(page: BarePage, scene: Path) -> float:
     """The time since 1970 [s] when the first answer was on screen."""
     for _ in range(int(WAIT / 0.05)):
-        shown = float(await page.evaluate("restshapeNoted.shown"))
+        shown = float(await page.evaluate("window.restshapeNoted?.shown ?? 0"))
         if shown:
             return shown / 1e3
         await asyncio.sleep(0.05)
@@ -142,34 +139,32 @@ async def _session(scene: Path, overrides: Sequence[str]) -> AsyncIterator[tuple
             process.kill()
 
 
-async def _moved(page: Page, mouse: Mouse, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
+async def _moved(page: BarePage, mouse: Mouse, drag: Drag, roots: dict[int, str]) -> dict[str, Any]:
     """Presses, drags and lets go; what was noted."""
     name, (x, y) = await _place(page, drag.on)
-    await mouse.move(x - 2, y)
-    await mouse.move(x, y)
-    await mouse.press(x, y)
-    await page.wait_for_timeout(500)
-    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [], turns: [] })")
+    mouse.move((x - 2, y))
+    mouse.move((x, y))
+    mouse.press((x, y))
+    await asyncio.sleep(0.5)
+    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [], turns: [] }); 0")
+    way = [(x + drag.wide * math.sin(k / 60), y + drag.high * math.sin(k / 25)) for k in range(drag.places)]
     before, begun = spent(roots), time.perf_counter()
-    for number in range(drag.places):
-        await asyncio.sleep(max(begun + number / drag.rate - time.perf_counter(), 0.0))
-        across, up = math.sin(number / 60), math.sin(number / 25)
-        await mouse.move(x + drag.wide * across, y + drag.high * up)
+    await asyncio.to_thread(mouse.move_along, way, drag.rate)
     took = time.perf_counter() - begun
     used = spent(roots).since(before)
-    await page.wait_for_timeout(500)
+    await asyncio.sleep(0.5)
     noted = await page.evaluate("({ ...restshapeNoted, sent: [...restshapeNoted.sent] })")
     released = await page.evaluate("performance.now()")
-    await mouse.release(x + drag.wide * across, y + drag.high * up)
+    mouse.release(way[-1])
     found = summed_up(noted, used, took)
     if drag.rests:
-        await page.wait_for_timeout(1e3 * drag.rests)
+        await asyncio.sleep(drag.rests)
         last = await page.evaluate("restshapeNoted.drawn.at(-1)?.[1] ?? 0")
         found["rest_s"] = max(last - released, 0.0) / 1e3
     return {"held": name, **found}
 
 
-async def _place(page: Page, on: str) -> tuple[str, tuple[float, float]]:
+async def _place(page: BarePage, on: str) -> tuple[str, tuple[float, float]]:
     """The name of what is taken hold of, and the middle of the places where it lights up."""
     step = 12
     found: list[tuple[str, list[tuple[float, float]]]] = await page.evaluate(FIND, [[on], step])

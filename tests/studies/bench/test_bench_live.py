@@ -1,6 +1,8 @@
 """How a live session's drag is summed up, what `bench live` refuses, and whose the processor's time is."""
 
+import json
 import os
+import socket
 import subprocess
 import sys
 from argparse import ArgumentParser, Namespace
@@ -9,6 +11,7 @@ from math import isnan
 import pytest
 from restshape_studies.bench import live_drag
 from restshape_studies.bench.live_drag import summed_up
+from restshape_studies.bench.live_mouse import Mouse, framed
 from restshape_studies.bench.live_processes import Spent, kind_of, spent
 from restshape_studies.bench.live_sessions import SESSIONS
 from restshape_studies.commands import bench_live
@@ -71,3 +74,22 @@ def test_what_cannot_be_measured_is_refused(monkeypatch):
 
 def test_sessions_have_scenes():
     assert all(session.scene.is_file() for session in SESSIONS.values())
+
+
+@pytest.mark.parametrize("size", [3, 125, 126, 300])
+def test_a_mouse_says_whole_masked_messages(size):
+    text = bytes(range(size % 256)) + bytes(size - size % 256)
+    said = framed(text)
+    assert said[0] == 0x81 and said[1] & 0x80
+    length, head = (said[1] & 0x7F, 2) if size <= 125 else (int.from_bytes(said[2:4], "big"), 4)
+    key, content = said[head : head + 4], said[head + 4 :]
+    assert length == size and bytes(one ^ key[k % 4] for k, one in enumerate(content)) == text
+
+
+def test_a_mouse_has_all_that_it_says_before_it_moves():
+    here, there = socket.socketpair()
+    with here, there:
+        Mouse(here).move_along([(1.0, 2.0), (3.0, 4.0)], 1000.0)
+        whole = there.recv(4096)
+    said = [json.loads(b"{" + one.partition(b"{")[2]) for one in whole.split(bytes([0x81]))[1:]]
+    assert [(one["params"]["x"], one["params"]["y"]) for one in said] == [(1.0, 2.0), (3.0, 4.0)]

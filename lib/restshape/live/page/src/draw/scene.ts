@@ -139,8 +139,10 @@ export class Scene {
 
   private paint(): void {
     if (!this.stale) return;
+    const begun = performance.now();
     for (const before of this.onDraw) before();
     this.drawer.draw(this.scene, this.view.camera);
+    this.sharpness.took(performance.now() - begun);
     this.stale = false;
   }
 
