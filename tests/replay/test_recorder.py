@@ -258,3 +258,14 @@ def test_a_process_that_has_nothing_to_write_ends():
     process = begun()
     process.abandon()
     assert process.process.poll() is not None
+
+
+def test_a_field_with_another_number_of_values_is_refused_and_frames_before_are_kept(tmp_path):
+    path = tmp_path / "a.vtkhdf"
+    wrong = pytest.raises(UserError, match="stress at a cell, 6 so far, and here there are 3")
+    with wrong, Recorder.start(path, {}, {}) as recorder:
+        recorder.topology(CELLS)
+        for components in (6, 3):
+            recorder.frame(0.0, CORNERS, {}, {"stress": np.zeros((1, components))}, {})
+    with Recording(path) as recording:
+        assert recording.n == 1

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from restshape_studies.stability.scenery import plate as scenery_plate
 from small_scenes import PATCH, PATCH_GRADIENT, across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.application import application
@@ -121,6 +122,21 @@ def test_the_order_may_change_in_a_session(tmp_path):
     assert [row["level"] for row in rows] == [3, 3, 3] and not any(row["refused"] for row in rows)
     assert rows[1]["unknowns"] > 3 * rows[0]["unknowns"] and rows[2]["unknowns"] == rows[0]["unknowns"]
     assert rows[2]["q_energy"] == pytest.approx(rows[0]["q_energy"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "text", [plate(), scenery_plate("vibration") + "[effects.dynamics]\ntime_step = 1e-4\nsteps = 3\n"]
+)
+def test_another_order_is_no_jump_of_the_mesh(tmp_path, text):
+    """In motion too, whose state goes to other elements."""
+    events = [{"do": "set", "key": "mesh.order", "value": 1}, {"do": "undo"}]
+    made = make_replay(
+        write_scene(tmp_path, text), write_script(tmp_path, events), overrides=[ORDER, "solve.jumps=true"]
+    )
+    rows = rows_of(made)
+    jumps = [value for row in rows for name, value in row.items() if name.endswith("_jump")]
+    assert [row["level"] for row in rows] == [3, 3, 3] and not any(row["refused"] for row in rows)
+    assert jumps and np.isnan(jumps).all()
 
 
 @pytest.mark.slow

@@ -422,12 +422,15 @@ class TransientAnalysis:
     def _brought(self, old: SemiDiscrete, x: np.ndarray, v: np.ndarray, second: bool) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns and rates (n, f) on a new mesh: projected where the problem is of second order in time.
 
-        Those of diffusion are interpolated, and their rates are new. The operator of the steps lends its pattern.
+        Those of diffusion are interpolated, and their rates are new. So are both where an edit has changed the order of
+        the elements. The operator of the steps lends its pattern.
         """
         new, space = self.body, self.problem.space
         if not second:
             there = transfer(old.problem.space, space, x)
             return there, np.zeros_like(there)
+        if old.problem.space.cells.shape[1] != space.cells.shape[1]:
+            return transfer(old.problem.space, space, x), transfer(old.problem.space, space, v)
         samples = CellSamples(old.problem.space, space)
         shared = self.state.system.operator if self.context.comm.size == 1 else None
         factor = partial(self.solver.factor_beside, uses=self.state.integration.steps)

@@ -35,7 +35,7 @@ class OtherMesh:
 def compared_meshes(generated: Generated, kept: Kept, old: Mesh | LagrangeSpace | None) -> tuple[OtherMesh, ...]:
     """The old mesh where the frame has moved its nodes; where triangles do not bear that, the new one on the old shape.
 
-    Nothing where neither is valid, or where the shapes have not the same edges.
+    Nothing where neither is valid, where the shapes have not the same edges, or elements of another order.
 
     Args:
         generated: the mesh as it is now.
@@ -43,6 +43,8 @@ def compared_meshes(generated: Generated, kept: Kept, old: Mesh | LagrangeSpace 
         old: the mesh before a reconstruction; None after flips.
     """
     mesh = generated.mesh
+    if old is not None and (old is old.mesh) != (generated.space is None):
+        return ()
     outline = kept.versions[0] if kept.versions else mesh.outline
     former = mesh if old is None else old.mesh
     if former.outline is mesh.outline:

@@ -68,6 +68,7 @@ class Recorder:
         self._inbox = b""
         self._state = "starting"
         self._shape: FrameShape | None = None
+        self._components: dict[str, tuple[int, ...]] = {}
         self._cells = -1
 
     @classmethod
@@ -192,6 +193,7 @@ class Recorder:
 
         Raises:
             ValueError: arrays do not fit the mesh.
+            UserError: a field has another number of values at a node or a cell than in frames before.
         """
         self.ready()
         points, cells, (positions, *fields) = shape
@@ -201,6 +203,14 @@ class Recorder:
             expected = positions[0] if name in points else self._cells
             if field[0] != expected or len(field) > 2:
                 raise ValueError(f"field {name!r} has shape {field}, expected {expected} rows of numbers or components")
+            kept, new = self._components.setdefault(name, field[1:]), field[1:]
+            if new != kept:
+                place, (old, now) = "node" if name in points else "cell", (one[0] if one else 1 for one in (kept, new))
+                raise UserError(
+                    f"one number of values is recorded of {name} at a {place}, {old} so far, and here there are {now}",
+                    str(self.path),
+                    "leave out the edit that changes the elements, such as mesh.order, or replay without --out",
+                )
         layout = {"point_data": points, "cell_data": cells, "shapes": [positions, *fields]}
         self._send(rings.LAYOUT, json.dumps(layout).encode())
         self._shape = shape
