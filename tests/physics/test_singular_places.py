@@ -425,6 +425,14 @@ def test_no_wedge_is_looked_at_where_no_stress_is_asked_for(tmp_path, monkeypatc
     assert exponents == {"poked": 0.0} and [outline.vertex_names[k] for k in points] == ["c"]
 
 
+def test_no_place_is_looked_at_where_displacements_alone_are_asked_for_and_no_force_acts(tmp_path, monkeypatch):
+    text = "\n".join(line for line in NOTCHED.splitlines() if "von_mises" not in line)
+    text = text.replace("force = [1, 0]", "pressure = 1").replace('on = "c"', 'on = "s2"')
+    scene = load_scene(write_scene(tmp_path, text))
+    monkeypatch.setattr("restshape.physics.elasticity.singular_places.singular_places", None)
+    assert exponents_and_points(scene, outline_from_spec(scene.shape, scene.folder)) == ({}, ())
+
+
 def test_mirrored_corners_of_clamped_and_free_sides_are_solved_for_once():
     """However the axes of a side that is constrained all around lie."""
     turned = ((0.6, 0.8), (-0.8, 0.6))

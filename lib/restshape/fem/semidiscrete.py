@@ -44,8 +44,9 @@ class SemiDiscrete:
             self.static[self.constrained] = 0.0
 
     def unknowns(self, y: np.ndarray) -> np.ndarray:
-        """The unknowns (n, f), prescribed ones included."""
-        return y + self.problem.boundary.values
+        """The unknowns (n, f), prescribed ones included: not to be changed, for y may be all of them."""
+        boundary = self.problem.boundary
+        return y + boundary.values if boundary.nonzero else y
 
     def acceleration(self, y: np.ndarray, v: np.ndarray, base: np.ndarray) -> np.ndarray:
         """The acceleration (n, f) relative to the base that equilibrium asks for.

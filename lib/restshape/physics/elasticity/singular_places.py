@@ -80,6 +80,9 @@ def places_of_quantities(scene: Scene, outline: Outline) -> dict[str, list[Singu
     if not any(_moves(one) or _unbounded(one) for one in scene.quantities.values()):
         return {}
     stresses = [one for one in scene.quantities.values() if _unbounded(one)]
+    if not (stresses or any(load.force is not None for load in scene.loads.values())):
+        # Nothing else makes displacements unbounded.
+        return {}
 
     def asked(point: int) -> bool:
         return any(_holds(outline, one, point) for one in stresses)
