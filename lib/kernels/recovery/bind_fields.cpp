@@ -73,6 +73,16 @@ double area_beyond(const double* X, int a, int b, int middle) {
 
 double total_area(const Reals& X, const Ints& cells) {
     double sum = 0.0;
+    if (cells.shape(1) == 3) {
+        // Sums that do not wait for each other.
+        constexpr int sums = 4;
+        double part[sums] = {};
+        const py::ssize_t whole = cells.shape(0) / sums * sums;
+        for (py::ssize_t e = 0; e < whole; e += sums)
+            for (int k = 0; k < sums; ++k) part[k] += area(X.data(), cells.data() + 3 * (e + k));
+        for (py::ssize_t e = whole; e < cells.shape(0); ++e) part[0] += area(X.data(), cells.data() + 3 * e);
+        return (part[0] + part[1]) + (part[2] + part[3]);
+    }
     for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
         const int* cell = cells.data() + cells.shape(1) * e;
         sum += area(X.data(), cell);
