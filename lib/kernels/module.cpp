@@ -22,6 +22,7 @@ void bind_mesher(py::module_&);
 void bind_messages(py::module_&);
 void bind_near_pairs(py::module_&);
 void bind_places(py::module_&);
+void bind_sheet(py::module_&);
 void bind_nested_cloth(py::module_&);
 void bind_order(py::module_&);
 void bind_outline(py::module_&);
@@ -60,6 +61,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_messages(m);
     bind_near_pairs(m);
     bind_places(m);
+    bind_sheet(m);
     bind_nested_cloth(m);
     bind_order(m);
     bind_outline(m);

@@ -17,6 +17,7 @@ __all__: list[str] = [
     "OutlineCheck",
     "PatchRecovery",
     "PointRoom",
+    "Sheet",
     "SurfaceSearch",
     "TriangleRoom",
     "Triangulation",
@@ -566,6 +567,20 @@ class NearPairs:
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         d: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         reach: typing.SupportsFloat | typing.SupportsIndex = 0.0,
+    ) -> float: ...
+
+class Sheet:
+    def __init__(
+        self,
+        X: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        corners: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        moduli: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+        bends: str,
+        cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+        stiffness: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ) -> None: ...
+    def evaluate(
+        self, x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64], out: numpy.typing.NDArray[numpy.float64]
     ) -> float: ...
 
 class OutlineCheck:

@@ -24,6 +24,9 @@ using BoxFloats [[gnu::vector_size(box_lanes * sizeof(float))]] = float;
 using BoxMask [[gnu::vector_size(box_lanes * sizeof(int32_t))]] = int32_t;
 using FourLongs [[gnu::vector_size(box_lanes * sizeof(int32_t))]] = int64_t;
 
+inline BoxFloats least(const BoxFloats& a, const BoxFloats& b) { return a < b ? a : b; }
+inline BoxFloats most(const BoxFloats& a, const BoxFloats& b) { return a > b ? a : b; }
+
 // x, y, z and 0 where something begins, and where it ends; rounded outwards.
 struct Box {
     BoxFloats low = BoxFloats{INFINITY, INFINITY, INFINITY, 0.0F, INFINITY, INFINITY, INFINITY, 0.0F};
@@ -41,13 +44,21 @@ struct Box {
         return box;
     }
     void hold(const Box& o) {
-        low = o.low < low ? o.low : low;
-        high = o.high > high ? o.high : high;
+        low = least(low, o.low);
+        high = most(high, o.high);
     }
     // False where both are apart all the way.
     bool meets(const Box& o) const {
-        const auto below = reinterpret_cast<FourLongs>(high < o.low), above = reinterpret_cast<FourLongs>(o.high < low);
-        return !((below[0] & below[2]) | (below[1] & below[3]) | (above[0] & above[2]) | (above[1] & above[3]));
+        const BoxFloats below = o.low - high, above = low - o.high;
+        const BoxFloats gap = most(both_ends(below), both_ends(above));
+        const auto apart = reinterpret_cast<FourLongs>(gap > 0.0F);
+        return !(apart[0] | apart[1]);
+    }
+
+ private:
+    // The lesser of what is there at the beginning and at the end, in the first lanes.
+    static BoxFloats both_ends(const BoxFloats& a) {
+        return least(a, __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3));
     }
 };
 
@@ -123,12 +134,12 @@ class BoxTree {
         // The lanes whose boxes meet one with these bounds by place and axis, one bit each.
         template <class Low, class High>
         unsigned met_by(const Low& its_low, const High& its_high) const {
-            BoxMask apart{};
+            BoxFloats gap = BoxFloats{} - 1.0F;
             for (int a = 0; a < 3; ++a) {
-                apart |= (high[a] < its_low(a)) & (high[a + 3] < its_low(a + 3));
-                apart |= (its_high(a) < low[a]) & (its_high(a + 3) < low[a + 3]);
+                gap = most(gap, least(its_low(a) - high[a], its_low(a + 3) - high[a + 3]));
+                gap = most(gap, least(low[a] - its_high(a), low[a + 3] - its_high(a + 3)));
             }
-            const auto bits = reinterpret_cast<FourLongs>(~apart & BoxMask{1, 2, 4, 8, 16, 32, 64, 128});
+            const auto bits = reinterpret_cast<FourLongs>(~(gap > 0.0F) & BoxMask{1, 2, 4, 8, 16, 32, 64, 128});
             const int64_t all = bits[0] | bits[1] | bits[2] | bits[3];
             return static_cast<unsigned>(all | (all >> 32)) & 0xffU;
         }

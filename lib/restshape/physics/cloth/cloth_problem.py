@@ -37,6 +37,7 @@ from restshape.physics.cloth.seam_bending import SeamBending
 from restshape.physics.cloth.seams import SeamForces, Seams
 from restshape.physics.cloth.self_contact import SelfContact
 from restshape.physics.cloth.self_forces import SelfCoupling, SelfForces, coupled_nodes
+from restshape.physics.cloth.sheet_forces import SheetForces
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 
@@ -97,6 +98,7 @@ class ClothProblem(SteadyProblem):
         # A copy, as the place is: flips change the mesh's own.
         self.membrane = Membrane(fabric.law, self.morley.corners if self.morley else mesh.cells.copy())
         self.bending = bending_of(fabric, mesh, self.morley, supports, block=2)
+        self._sheet = SheetForces(self.membrane, self.bending) if SheetForces.serves(self.membrane) else None
         self.softness, self._weight, self._changes = 1.0, 1.0, 0
         self.set_values(fabric, supports, g)
 
@@ -436,8 +438,10 @@ class ClothProblem(SteadyProblem):
 
     def energy(self, x: np.ndarray) -> float:
         """Potential energy [J] at x (n, 3), of weight too."""
-        # Bending is summed by itself first, as it is reported by itself.
-        total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
+        if self._sheet:
+            total = self._sheet.at(self.X, x, self._changes)[0]
+        else:
+            total = Assembled([self.membrane.integral(self.X)]).energy(x) + self.bending_energy(x)
         return total + self.seam_energy(x) + self._contact_energy(x)
 
     def _contact_energy(self, x: np.ndarray) -> float:
@@ -496,9 +500,12 @@ class ClothProblem(SteadyProblem):
 
     def internal_forces(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, 3) [N] to the forces of membrane, bending, weight and seams, also where prescribed."""
-        out[:] = 0.0
-        parts = [self.membrane.integral(self.X), *self.bending_integrals(), *self.seam_integrals()]
-        Assembled(parts).residual(x, out)
+        own: list[Term] = []
+        if self._sheet:
+            out[:] = self._sheet.at(self.X, x, self._changes)[1]
+        else:
+            out[:], own = 0.0, [self.membrane.integral(self.X), *self.bending_integrals()]
+        Assembled([*own, *self.seam_integrals()]).residual(x, out)
 
     # --- what is shown --------------------------------------------------------------------------------------------
 
