@@ -18,7 +18,8 @@ FLOWS = (
     "unsteady_heated_slow_flow_on_moving_mesh_tri3",
     "unsteady_lifted_flow_tri3",
 )
-ELEMENTS = (*SOLIDS, "mass_tri3", "mass_tet4", "mass_tri6", "heat_capacity_tri6", *FLOWS)
+MEMBRANES = ("membrane_tri3", "membrane_stabilised_tri3")
+ELEMENTS = (*SOLIDS, *MEMBRANES, "mass_tri3", "mass_tet4", "mass_tri6", "heat_capacity_tri6", *FLOWS)
 BEND = 0.02
 """By which mid-sides of second order are moved off the middle: sides are curved."""
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/pack.hpp"
 #include "fem/shapes.hpp"
 
 namespace restshape {
@@ -57,8 +58,8 @@ struct MembraneParts {
     }
 
     // Tensions xx, yy, xy of strains xx, yy, xy.
-    template <class R>
-    static void tension(const R (&E)[3], const double* p, R (&S)[3]) {
+    template <class R, class P>
+    static void tension(const R (&E)[3], const P* p, R (&S)[3]) {
         const R twice = 2.0 * E[2];
         S[0] = E[0] * p[0] + E[1] * p[1] + twice * p[3];
         S[1] = E[0] * p[1] + E[1] * p[2] + twice * p[4];
@@ -71,11 +72,11 @@ struct MembraneParts {
     }
 
     // Forces of P, the tension times the sides that it acts on, and of the load.
-    template <class SX, class R>
-    static void forces(const SX& area, const SX (&G)[3][2], const R (&P)[3][2], const double* p, R* r) {
+    template <class SX, class R, class Numbers>
+    static void forces(const SX& area, const SX (&G)[3][2], const R (&P)[3][2], const Numbers* p, R* r) {
         for (int i = 0; i < 3; ++i)
             for (int a = 0; a < 3; ++a)
-                r[3 * i + a] = (P[a][0] * G[i][0] + P[a][1] * G[i][1]) * area - area * (p[load + a] / 3);
+                r[3 * i + a] = (P[a][0] * G[i][0] + P[a][1] * G[i][1]) * area - area * (p[load + a] / 3.0);
     }
 
     // Potential of the load.
@@ -111,7 +112,40 @@ struct MembraneParts {
         }
     }
 
+    // The same of several triangles, one a lane, without padding.
+    static void fill_tangent(const Pack& area, const Pack (&G)[3][2], const Pack (&F)[3][2], const Pack* p,
+                             const Pack (&S)[3], Pack* K) {
+        for (int i = 0; i < 3; ++i) {
+            const Pack g = area * G[i][0], h = area * G[i][1];
+            const Pack c[6] = {g * p[0] + h * p[3], g * p[3] + h * p[5], g * p[3] + h * p[1],
+                               g * p[5] + h * p[4], g * p[1] + h * p[4], g * p[4] + h * p[2]};
+            const Pack t[2] = {g * S[0] + h * S[2], g * S[2] + h * S[1]};
+            for (int j = i; j < 3; ++j) {
+                const Pack u = G[j][0], v = G[j][1];
+                const Pack m00 = c[0] * u + c[1] * v, m01 = c[1] * u + c[4] * v, m10 = c[2] * u + c[3] * v,
+                           m11 = c[3] * u + c[5] * v, pull = t[0] * u + t[1] * v;
+                for (int a = 0; a < 3; ++a) {
+                    const Pack first = F[a][0] * m00 + F[a][1] * m10, second = F[a][0] * m01 + F[a][1] * m11;
+                    for (int b = 0; b < 3; ++b) {
+                        Pack entry = first * F[b][0] + second * F[b][1];
+                        if (a == b) entry += pull;
+                        K[(3 * i + a) * 9 + 3 * j + b] = K[(3 * j + b) * 9 + 3 * i + a] = entry;
+                    }
+                }
+            }
+        }
+    }
+
     // Eigenvalues below zero become zero.
+    static void keep_tension(Pack (&S)[3]) {
+        const Pack mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]), none{};
+        const Pack radius = square_root(half * half + S[2] * S[2]), above = mean + radius;
+        const Pack top = above > none ? above : none, share = top / (radius > none ? 2.0 * radius : none + 1.0);
+        const auto pulled = mean >= radius;
+        S[0] = pulled ? S[0] : share * (radius + half);
+        S[1] = pulled ? S[1] : share * (radius - half);
+        S[2] = pulled ? S[2] : share * S[2];
+    }
     static void keep_tension(double (&S)[3]) {
         const double mean = 0.5 * (S[0] + S[1]), half = 0.5 * (S[0] - S[1]),
                      radius = std::sqrt(half * half + S[2] * S[2]);
@@ -170,6 +204,22 @@ struct MembraneElement : MembraneParts {
         fill_tangent(area, G, F, p, S, K);
     }
 
+    // Of several triangles, one a lane.
+    static constexpr bool packed = true;
+
+    [[gnu::flatten]] static void packed_residual(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r) {
+        Pack G[3][2], F[3][2], S[3];
+        set_packed_forces(X, x, p, G, F, S, r);
+    }
+
+    [[gnu::flatten]] static void packed_tangent(const Pack* X, const Pack* x, const Pack*, const Pack* p, Pack* r,
+                                                Pack* K) {
+        Pack G[3][2], F[3][2], S[3];
+        const Pack area = set_packed_forces(X, x, p, G, F, S, r);
+        if (Stabilised) keep_tension(S);
+        fill_tangent(area, G, F, p, S, K);
+    }
+
     // Second Piola-Kirchhoff tensions xx, yy, xy [N/m].
     static void stress(const double* X, const double* x, const double* p, const double*, double* s) {
         double G[3][2], F[3][2], E[3], S[3];
@@ -181,6 +231,19 @@ struct MembraneElement : MembraneParts {
     }
 
  private:
+    // Sets forces, and what they are made of; returns the areas.
+    static Pack set_packed_forces(const Pack* X, const Pack* x, const Pack* p, Pack (&G)[3][2], Pack (&F)[3][2],
+                                  Pack (&S)[3], Pack* r) {
+        Pack E[3], P[3][2];
+        const Pack area = gradients(X, G);
+        deformation(G, x, F);
+        strain(F, E);
+        tension(E, p, S);
+        first_piola(F, S, P);
+        forces(area, G, P, p, r);
+        return area;
+    }
+
     template <class R>
     static void strain(const R (&F)[3][2], R (&E)[3]) {
         metric(F, E);

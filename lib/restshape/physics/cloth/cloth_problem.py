@@ -326,7 +326,11 @@ class ClothProblem(SteadyProblem):
 
     def step_share(self, x: np.ndarray, d: np.ndarray) -> float:
         """The largest share, in (0, 1], of a step d (n, 3) [m] from x (n, 3) [m] that lets nothing pass."""
-        return min((part.step_share(self.corners(x), self.corners(d)) for part in self.obstacles), default=1.0)
+        corners, way, share = self.corners(x), self.corners(d), 1.0
+        for part in self.obstacles:
+            # The next one needs to look at what is left of the step alone.
+            share *= part.step_share(corners, share * way)
+        return share
 
     @property
     def ordered_layers(self) -> Layers | None:
@@ -497,6 +501,14 @@ class ClothProblem(SteadyProblem):
             out[: len(forces)] += forces
         else:
             out[self.corner_number] += forces
+
+    def bending_forces(self, x: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the forces of bending alone."""
+        if self._sheet:
+            self._sheet.bend(self.X, x, self._changes, out)
+            return
+        out[:] = 0.0
+        Assembled(self.bending_integrals()).residual(x, out)
 
     def internal_forces(self, x: np.ndarray, out: np.ndarray) -> None:
         """Set `out` (n, 3) [N] to the forces of membrane, bending, weight and seams, also where prescribed."""

@@ -13,6 +13,9 @@ from restshape.physics.cloth.membrane import Membrane
 BENT = (HINGE["flap4"].name, MORLEY["tri6"].name)
 """Elements that bend in the same pass."""
 
+NOWHERE, WEIGHTLESS = np.empty((0, 3), np.int32), np.zeros(9)
+"""No triangles, and parameters of these."""
+
 
 class SheetForces:
     """Both at the last place, and what of the elements depends on material and stiffness alone.
@@ -25,6 +28,7 @@ class SheetForces:
         self.membrane, self.bending = membrane, bending
         self._key: tuple[object, ...] = ()
         self._sheet: _kernels.Sheet | None = None
+        self._bent: _kernels.Sheet | None = None
         self._others: list[Integral] = []
         self._known: tuple[np.ndarray, float, np.ndarray] | None = None
 
@@ -41,10 +45,7 @@ class SheetForces:
             x: positions.
             version: another one whenever material or stiffness may be others in the same arrays.
         """
-        key = (version, X, self.membrane.parameters, self.bending.parameters if self.bending else None)
-        if len(self._key) != len(key) or key[0] != self._key[0] or any(map(is_not, key[1:], self._key[1:])):
-            self._prepare(X)
-            self._key, self._known = key, None
+        self._follow(X, version)
         known = self._known
         if known is None or not _kernels.same_values(known[0], x):
             out = np.empty_like(x)
@@ -55,6 +56,20 @@ class SheetForces:
             known = self._known = x.copy(), energy, out
         return known[1], known[2]
 
+    def bend(self, X: np.ndarray, x: np.ndarray, version: int, out: np.ndarray) -> None:
+        """Set `out` (n, 3) [N] to the forces of bending alone at x (n, 3) [m]; arguments as of `at`."""
+        self._follow(X, version)
+        self._bent.evaluate(x, out)
+        for integral in self._others:
+            integral.add_residual(x, out)
+
+    def _follow(self, X: np.ndarray, version: int) -> None:
+        """Keep elements as they are now."""
+        key = (version, X, self.membrane.parameters, self.bending.parameters if self.bending else None)
+        if len(self._key) != len(key) or key[0] != self._key[0] or any(map(is_not, key[1:], self._key[1:])):
+            self._prepare(X)
+            self._key, self._known = key, None
+
     def _prepare(self, X: np.ndarray) -> None:
         own, bent = self.membrane.integral(X), self.bending.integrals(X) if self.bending else []
         first = [one for one in bent[:1] if one.element.name in BENT]
@@ -63,3 +78,4 @@ class SheetForces:
         for one in first:
             name, cells, stiffness = one.element.name, one.entities, one.parameters
         self._sheet = _kernels.Sheet(X, own.entities, own.parameters, name, cells, stiffness)
+        self._bent = _kernels.Sheet(X, NOWHERE, WEIGHTLESS, name, cells, stiffness)

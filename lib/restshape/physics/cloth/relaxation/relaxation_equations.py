@@ -68,7 +68,7 @@ class KeptOperator:
                 return Assembled(integrals, self.operator).tangent(x, kept=self._constant)
             out[:] = 0.0
             if self._constant:
-                Assembled(problem.bending_integrals()).residual(x, out)
+                problem.bending_forces(x, out)
             matrix = Assembled(integrals, self.operator).tangent(x, out, kept=self._constant)
             out.ravel()[problem.boundary.constrained] = 0.0
             return matrix
