@@ -1,6 +1,6 @@
 """Preconditioners that a linear system may get, and what is expected of them before anything has been counted."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from restshape.algebra.traits import Traits
@@ -97,21 +97,11 @@ def incomplete(kind: str) -> tuple[Candidate, Candidate]:
     return Candidate(f"{kind}(3)", kind, 3, plane, plane), Candidate(f"{kind}(1)", kind, 1, space, space)
 
 
-CHOLESKY = Candidate(
-    "cholesky",
-    "cholesky",
-    0,
-    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4, exact=COUPLED),
-    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4, exact=COUPLED),
-)
-SHARED = Candidate(
-    "cholesky, shared",
-    "cholesky",
-    0,
-    Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4),
-    Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4),
-    shared=True,
-)
+WHOLE = Prior(Law(4.05, 1.24), Law(1.0, 0.0), 0.4)
+WHOLE_SPACE = Prior(Law(1.76, 1.58), Law(1.0, 0.0), 0.4)
+"""Complete factors of a whole matrix."""
+CHOLESKY = Candidate("cholesky", "cholesky", 0, replace(WHOLE, exact=COUPLED), replace(WHOLE_SPACE, exact=COUPLED))
+SHARED = Candidate("cholesky, shared", "cholesky", 0, WHOLE, WHOLE_SPACE, shared=True)
 ICC, ICC_SPACE = incomplete("icc")
 ILU, ILU_SPACE = incomplete("ilu")
 GAMG = Candidate(
