@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from functools import singledispatch
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -11,49 +12,45 @@ from restshape.live.frame_arrays import MessageBody
 from restshape.live.shown_marks import Arrows, Chart, Lines, Offer, Tone, Words
 
 
-@singledispatch
 def placed(mark: object, body: MessageBody) -> dict[str, object]:
     """What the header of a message says of a mark, whose arrays are added to its body."""
-    raise TypeError(f"{type(mark).__name__} is no mark")
+    said = _SAID.get(type(mark))
+    if said is None:
+        raise TypeError(f"{type(mark).__name__} is no mark")
+    return said(mark, body)
 
 
-@placed.register(Lines)
-def _(mark: Lines, body: MessageBody) -> dict[str, object]:
+def _lines(mark: Lines, body: MessageBody) -> dict[str, object]:
     said = {"kind": "lines", "name": mark.name, "meaning": mark.meaning, "words": list(mark.words)}
     lines = {"starts": list(map(int, mark.starts)), "points": body.add(mark.points)}
     return said | lines | _moved(mark, body)
 
 
-@placed.register(Arrows)
-def _(mark: Arrows, body: MessageBody) -> dict[str, object]:
+def _arrows(mark: Arrows, body: MessageBody) -> dict[str, object]:
     said = {"kind": "arrows", "name": mark.name, "meaning": mark.meaning, "unit": mark.unit, "words": list(mark.words)}
     arrays = {"points": body.add(mark.points), "vectors": body.add(mark.vectors)}
     return said | arrays | {"tips": [bool(one) for one in mark.tips]} | _moved(mark, body)
 
 
-@placed.register(Words)
-def _(mark: Words, body: MessageBody) -> dict[str, object]:
+def _words(mark: Words, body: MessageBody) -> dict[str, object]:
     at = None if mark.at is None else _numbers(mark.at)
     moved = {} if mark.moved is None else {"moved": _numbers(mark.moved)}
     return {"kind": "words", "text": mark.text, "at": at, "meaning": mark.meaning, **moved}
 
 
-@placed.register(Offer)
-def _(mark: Offer, body: MessageBody) -> dict[str, object]:
+def _offer(mark: Offer, body: MessageBody) -> dict[str, object]:
     slide = plain(mark.slide)
     said = {"kind": "offer", "name": mark.name, "text": mark.text, "events": plain(mark.events)}
     return said | {"slide": slide, "slid": mark.slid, "lines": [placed(one, body) for one in mark.lines]}
 
 
-@placed.register(Chart)
-def _(mark: Chart, body: MessageBody) -> dict[str, object]:
+def _chart(mark: Chart, body: MessageBody) -> dict[str, object]:
     curves = [{"name": name, "x": _numbers(x), "y": _numbers(y)} for name, (x, y) in mark.curves.items()]
     said = {"kind": "chart", "name": mark.name, "xLabel": mark.x_label, "yLabel": mark.y_label, "curves": curves}
     return said | {"at": {name: float(x) for name, x in mark.at.items()}, "logarithmic": mark.logarithmic}
 
 
-@placed.register(Tone)
-def _(mark: Tone, body: MessageBody) -> dict[str, object]:
+def _tone(mark: Tone, body: MessageBody) -> dict[str, object]:
     partials = {key: _numbers(getattr(mark, key)) for key in ("frequencies", "decays", "amplitudes")}
     place = {key: None if (one := getattr(mark, key)) is None else _numbers(one) for key in ("at", "moved")}
     return {"kind": "tone", "name": mark.name, **place, **partials}
@@ -67,3 +64,14 @@ def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
 def _numbers(values: object) -> list[float]:
     found: list[float] = np.asarray(values, dtype=float).tolist()
     return found
+
+
+_SAID: dict[type, Callable[[Any, MessageBody], dict[str, object]]] = {
+    Lines: _lines,
+    Arrows: _arrows,
+    Words: _words,
+    Offer: _offer,
+    Chart: _chart,
+    Tone: _tone,
+}
+"""What says it of each kind of mark."""
