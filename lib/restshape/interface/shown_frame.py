@@ -163,10 +163,10 @@ class ShownFrame(ReadableFrame):
     def _replay(self) -> Replay:
         """What holds its answer."""
         answer = self._answer
+        if self._count == answer.count and not answer.closed:
+            return answer.replay
         where = f"frame {self.index}"
         if answer.closed:
             raise UserError("the simulation of this frame is closed", where, "read what you need of it before")
-        if self._count != answer.count:
-            what = f"the edit has gone on, to frame {answer.count - 1}, and its answer is another one"
-            raise UserError(what, where, "read mesh, fields and derivatives of a frame before the next one")
-        return answer.replay
+        what = f"the edit has gone on, to frame {answer.count - 1}, and its answer is another one"
+        raise UserError(what, where, "read mesh, fields and derivatives of a frame before the next one")

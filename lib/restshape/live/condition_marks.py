@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.errors import UserError
 from restshape.live.shown_marks import Arrows, Lines, Mark
 from restshape.outputs.si_numbers import si
@@ -84,16 +85,17 @@ class LoadArrows:
     def __init__(self, name: str, load: Load | None, ends: Indices, inside: bool, vector: Reals | None = None) -> None:
         self.name, self.load, self.ends, self.inside, self.vector = name, load, ends, inside, vector
         self._at: Reals | None = None
+        self._both: Reals | None = None
         self._last: Arrows | Lines = Lines("", np.empty((0, 2)))
 
     def mark(self, seen: SeenFrame) -> Mark:
         """The arrows of a frame: the last ones where nothing has moved."""
         both, at = seen.moved(self.ends), seen.places(self.ends)
-        moved = None if both is None else 0.5 * (both[:, 0] + both[:, 1])
         if not _equal(at, self._at):
-            self._at, self._last = at, self._made(seen.scene, at).gone(moved)
-        elif not _equal(moved, self._last.moved):
-            self._last = self._last.gone(moved)
+            self._at, self._both, self._last = at, None, self._made(seen.scene, at)
+        if not _equal(both, self._both):
+            self._both = both
+            self._last = self._last.gone(None if both is None else 0.5 * (both[:, 0] + both[:, 1]))
         return self._last
 
     def _made(self, scene: Scene, ends: Reals) -> Arrows | Lines:
@@ -145,7 +147,7 @@ def _equal(these: Reals | None, those: Reals | None) -> bool:
     """Whether two arrays are the same; or there is neither."""
     if these is None or those is None:
         return these is those
-    return these.shape == those.shape and these.tobytes() == those.tobytes()
+    return these.shape == those.shape and _kernels.same_bits(these, those)
 
 
 def _supports(scene: Scene, space: PlaneSpace) -> Iterator[ActsOn]:
