@@ -132,11 +132,9 @@ def test_a_factor_goes_by_panels_from_its_second_solve_on(monkeypatch, method, e
         singles.append(single)
         assert _kernels.solve_by_panels(handle, single)
 
-    monkeypatch.setattr(
-        kept_preconditioner,
-        "_kernels",
-        SimpleNamespace(solve_by_panels=by_panels, forget_cycle=_kernels.forget_cycle),
-    )
+    used = {"solve_by_panels": by_panels, "forget_cycle": _kernels.forget_cycle}
+    used["forget_failure"] = _kernels.forget_failure
+    monkeypatch.setattr(kept_preconditioner, "_kernels", SimpleNamespace(**used))
     mat = petsc(matrix(6, 2, np.random.default_rng(8)))
     traits, stages = Traits(True), Stages()
     solver = LinearSolver(PETSc.COMM_SELF, "panels_", method, 1e-8, Calibration.load(), stages, traits=traits)
