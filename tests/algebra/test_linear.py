@@ -202,6 +202,21 @@ def test_a_set_up_that_has_failed_does_not_spoil_the_next_ones(systems, kind):
             options.delValue(key)
 
 
+def test_a_pattern_analysed_beside_serves_the_next_new_system_alone(systems, monkeypatch):
+    """A frame that is refused takes up none: another system comes next, whatever has the matrix after it."""
+    made, chosen = solver("direct"), []
+    begin = made.kept.begin_system
+    monkeypatch.setattr(made.kept, "begin_system", lambda *given: (chosen.append(given), begin(*given)))
+    first, second = (petsc(system)[0] for system in systems[:2])
+    assert made.factor_beside(first, 40) is not None
+    made.prepare(first, True, 40)
+    assert len(chosen) == 1
+    assert made.factor_beside(first, 40) is not None
+    for k, mat in enumerate((second, first)):
+        made.prepare(mat, True, 40)
+        assert len(chosen) == 3 + k
+
+
 def test_nothing_loaded_has_the_solution_0(systems):
     for method in ("stale", "ilu", "direct"):
         mat, b, x = petsc(GatheredSystem(systems[0].matrix, np.zeros(systems[0].matrix.shape[0])))

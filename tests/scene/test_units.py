@@ -88,6 +88,13 @@ def test_signs_of_word_processors_and_decimal_commas_have_a_remedy(text: str, re
     assert remedy in caught.value.do
 
 
+@pytest.mark.parametrize("text", ["max(1,2", "max(1,2)[0]"])
+def test_commas_between_arguments_are_no_decimal_commas(text: str):
+    with pytest.raises(NoFormula) as caught:
+        Expression(text)
+    assert "decimal point" not in (caught.value.do or "")
+
+
 def test_both_letters_for_micro_are_read():
     assert quantity("5000 \u03bcm", "length") == quantity("5000 \u00b5m", "length") == pytest.approx(5e-3)
     assert float(Expression("1 \u03bcm + 1 mm").evaluate(0.0, 0.0, {})) == pytest.approx(1.001e-3)

@@ -111,8 +111,9 @@ class LinearSolver:
         self.on_solved: Callable[[LinearReport | None], None] | None = None
         self.age, self.counts = -1, SolveCounts()
         self._begun = self._new = self._current = False
-        # Handle of the matrix whose pattern `factor_beside` has analysed.
-        self._analysed = 0
+        # The matrix whose pattern `factor_beside` has analysed, for the system that comes next; kept, so that no other
+        # one has its handle.
+        self._analysed: PETSc.Mat | None = None
         self._rounding = math.inf
         self.scale: float | None = None
         self.decades = DECADES
@@ -286,7 +287,7 @@ class LinearSolver:
         self.kept.make(mat, None)
         self.kept.note_kind()
         # It serves none of the system's own matrices.
-        self.kept.ready, self._analysed = False, mat.handle
+        self.kept.ready, self._analysed = False, mat
         return None if self.kept.zero_pivots() else self.ksp.getPC()
 
     @property
@@ -352,9 +353,10 @@ class LinearSolver:
         self._current = self._current and same_matrix and not grown
         if grown or new_system:
             grown = kept.measure(mat) or patched
-        if new_system and mat.handle == self._analysed:
-            self._analysed = 0
-            return
+        if new_system:
+            analysed, self._analysed = self._analysed, None
+            if analysed and analysed.handle == mat.handle:
+                return
         if new_system or (kept.chooses and not kept.candidate):
             if self.projection:
                 self.projection.restart()

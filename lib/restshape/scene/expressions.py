@@ -44,6 +44,8 @@ MAX_DEPTH = 100
 DASHES = "\u2212\u2013\u2014"
 """Minus sign and dashes of typesetting."""
 DECIMAL_COMMA = re.compile(r"\d,\d")
+CALL = re.compile(r"[A-Za-z_]\w*\s*\(.*", re.DOTALL)
+"""What may be a call, with all after it: commas are between arguments there."""
 NO_BUILTINS: dict[str, dict[str, object]] = {"__builtins__": {}}
 """What formulas know besides their names: nothing."""
 STEPS = (1.3e-6, 1.3e-9, 1.3e-12)
@@ -265,7 +267,7 @@ def _as_typed(text: str) -> str:
     """What to write in place of signs that word processors and other languages put into numbers; empty without any."""
     if any(dash in text for dash in DASHES):
         return "write the minus sign of the keyboard, -"
-    return "write a decimal point, as in 2.5" if DECIMAL_COMMA.search(text) else ""
+    return "write a decimal point, as in 2.5" if DECIMAL_COMMA.search(CALL.sub("", text)) else ""
 
 
 def _examine(node: ast.AST, text: str, names: set[str], depth: int) -> None:
