@@ -79,7 +79,8 @@ class Carrier:
         for k, (level, time) in enumerate(zip(levels, past.times)):
             lost, area = divergence(level)
             outcome, followed[k] = self.correct(followed[k], transfer((lost / area)[:, None])[:, 0], time)
-            self.pressure = self.pressure or self.correct.pressure
+            if k == 0:
+                self.pressure = self.correct.pressure
             total = outcome if total is None else outcome.after(total)
         x[:, list(self.problem.history)] = followed[0].values
         return x, past.of(followed), total
