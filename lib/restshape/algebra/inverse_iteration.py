@@ -54,7 +54,10 @@ def inverse_iteration(pencil: Pencil, deflation: Deflation, starts: Reals, count
             if residuals[k] <= tolerance:
                 break
             if step == MOST or not np.isfinite(residuals[k]):
-                raise ReplayProblem(f"inverse iteration for mode {k + 1} did not converge in {step} steps")
+                raise ReplayProblem(
+                    f"inverse iteration for mode {k + 1} did not converge in {step} steps, as where frequencies lie "
+                    "close together (take another policy, such as auto, or fewer modes)"
+                )
             phi = pencil.solve(weight)
             total += 1
         modes[k], mass_products[k] = phi[0], weight[0]

@@ -24,6 +24,8 @@ STEPS, ROUNDS = 4, 200
 """Steps of a fall before seams have another stiffness, and such rounds at most."""
 STILL, PATIENCE = 0.95, 3
 """A round in which the widest seam closes by less does not get on; after so many of them in a row seams pull harder."""
+STUCK = 1e-5
+"""A round that moves nothing farther, over the cloth's size, though it is far from rest, leads nowhere."""
 LIGHT = 0.05
 """Part of the weight while seams close."""
 FAR, THICK = 0.25, 0.03
@@ -78,7 +80,8 @@ def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Con
 
 def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     problem = solver.problem
-    wide, gap, still, tension = WIDE * seams.edge_length, seams.gap(problem.corners(x)), 0, TENSION
+    wide, gap, tension = WIDE * seams.edge_length, seams.gap(problem.corners(x)), TENSION
+    still = held = 0
     stiffest = float(seams.stiffness.max())
     try:
         for _ in range(ROUNDS):
@@ -88,7 +91,12 @@ def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, re
                 tension, still = 2.0 * tension, 0
             problem.pull_seams(min(1.0, tension * problem.stiffest / (stiffest * gap)))
             log.info("Seams open by %.3e m: pulled with %.1e of their stiffness", gap, seams.pull)
+            places = x.copy()
             solver.fall(x, ROUGH, min(most, STEPS), report)
+            stuck = report.residual > ROUGH and np.abs(x - places).max() <= STUCK * problem.size
+            held = held + 1 if stuck else 0
+            if held >= PATIENCE:
+                break
             before, gap = gap, seams.gap(problem.corners(x))
             still = still + 1 if gap > STILL * before else 0
     finally:
