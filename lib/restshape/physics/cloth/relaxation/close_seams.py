@@ -81,7 +81,7 @@ def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Con
 def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, report: ConvergenceReport) -> None:
     problem = solver.problem
     wide, gap, tension = WIDE * seams.edge_length, seams.gap(problem.corners(x)), TENSION
-    still = held = 0
+    still = caught = 0
     stiffest = float(seams.stiffness.max())
     try:
         for _ in range(ROUNDS):
@@ -94,8 +94,8 @@ def _close(solver: EquilibriumSolver, seams: Seams, x: np.ndarray, most: int, re
             places = x.copy()
             solver.fall(x, ROUGH, min(most, STEPS), report)
             stuck = report.residual > ROUGH and np.abs(x - places).max() <= STUCK * problem.size
-            held = held + 1 if stuck else 0
-            if held >= PATIENCE:
+            caught = caught + 1 if stuck else 0
+            if caught >= PATIENCE:
                 break
             before, gap = gap, seams.gap(problem.corners(x))
             still = still + 1 if gap > STILL * before else 0

@@ -45,7 +45,7 @@ FIXED = 200
 """Steps of a frame after which anchors of friction are dragged: descents may cycle about those that stay."""
 ROUND_OFF = 4e-16
 """Rounding of a force, over the membrane's stiffness times the place of its node."""
-HELD, KEPT = 1e-5, 0.9
+CAUGHT, KEPT = 1e-5, 0.9
 """Way of a descent, over the cloth's size, below which nothing moves, where so much of the residual is left."""
 TRIES = 4
 """Descents in a row that may fail before the cloth is said not to converge."""
@@ -231,10 +231,10 @@ class EquilibriumSolver:
                 self.problem.update_friction(x)
                 return False
             # A descent that ends at once has a tangent that does not fit: more inertia makes steps shorter. One that
-            # goes nowhere, far from rest, is held by layers that cross.
-            still = np.abs(x - before).max() <= HELD * self.problem.size
-            held, last = still and report.residual > max(1.0, KEPT * last), report.residual
-            short = (steps < 2 or held) and not self._slide.ended
+            # goes nowhere, far from rest, is caught by layers that cross.
+            still = np.abs(x - before).max() <= CAUGHT * self.problem.size
+            caught, last = still and report.residual > max(1.0, KEPT * last), report.residual
+            short = (steps < 2 or caught) and not self._slide.ended
             failed = failed + 1 if short else 0
             if failed >= TRIES:
                 report.why = "no step makes the energy smaller"
