@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "quiet_intrinsics.hpp"
+
 namespace restshape {
 
 class BorderFactor {
