@@ -17,7 +17,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the load factors, draw and write what is asked for; 0, or a `UserError` where nothing buckles."""
+    """Print the load factors, draw and write what is asked for; 0, also where nothing buckles, unless it is drawn."""
     from restshape.analysis.buckling import BucklingAnalysis
     from restshape.interface.first_frame import first_frame
 

@@ -64,8 +64,8 @@ def close_seams(solver: EquilibriumSolver, x: np.ndarray, most: int, report: Con
     Their springs are so soft that the widest one pulls with a small strain of the membrane, and stiffen as it closes.
     Nothing passes bodies or the cloth itself on the way, as on any other. Cloth is light meanwhile: panels would
     fall past what they are to be closed around. Without any weight flat cloth would stay in its plane.
-    Seams that something holds open are given up once they pull with all of their stiffness, and cloth that nothing
-    catches at once.
+    Seams that something holds open are given up once they pull with all of their stiffness; cloth that goes nowhere,
+    though it is far from rest, after `PATIENCE` rounds.
     """
     seams = solver.problem.seams
     gap = seams.gap(solver.problem.corners(x)) if seams else 0.0
