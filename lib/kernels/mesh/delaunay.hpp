@@ -19,14 +19,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <list>
 #include <map>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
-#include "mesh/list_nodes.hpp"
 #include "mesh/relaxation.hpp"
 #include "mesh/size.hpp"
 #include "mesh/stock.hpp"
@@ -72,7 +70,6 @@ using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structu
 using Vertex = Triangulation::Vertex_handle;
 using Face = Triangulation::Face_handle;
 using Point = Kernel::Point_2;
-using Edge = Triangulation::Edge;
 
 // How urgently a triangle is refined: too large ones first, then the sharpest.
 struct Quality {
@@ -85,21 +82,6 @@ struct Quality {
 
 }  // namespace cgal
 }  // namespace restshape
-
-#ifdef __GLIBCXX__
-// CGAL's lists of triangles and sides have the library's allocator, which cannot be given: it is specialised for the
-// nodes that hold types of this file.
-template <>
-struct std::allocator<std::_List_node<restshape::cgal::Face>>
-    : restshape::PooledAllocator<std::_List_node<restshape::cgal::Face>> {
-    using PooledAllocator::PooledAllocator;
-};
-template <>
-struct std::allocator<std::_List_node<restshape::cgal::Edge>>
-    : restshape::PooledAllocator<std::_List_node<restshape::cgal::Edge>> {
-    using PooledAllocator::PooledAllocator;
-};
-#endif
 
 // CGAL's queue of bad triangles is a pair of search trees, half of the mesher's time. A heap gives the same order, the
 // oldest first among equals: entries that were erased stay in it until they come to the top.
