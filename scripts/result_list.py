@@ -332,6 +332,7 @@ LIST = (
         "solid/*/plate.*",
     ),
     Result(("live.gif",), ("scripts/live_gif.py",), ("restshape.live.worker",), timed=True),
+    bench("live", "live --json results/bench-live.json", ["bench-live.json"]),
     bench("limit", "limit --out results --json results/bench-limit.json", ["bench-limit.*"], "solid/*/plate.*"),
     bench("size", "size --out results --json results/bench-size.json", ["bench-size.*"], "solid/*/plate.*"),
     bench("large", "large --json results/bench-large.json", ["bench-large.json"], "*/scenes/*.toml"),

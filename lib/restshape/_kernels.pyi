@@ -7,7 +7,6 @@ import typing
 __all__: list[str] = [
     "Body",
     "BodyRates",
-    "BorderFactor",
     "Element",
     "GridDistance",
     "HarmonicExtension",
@@ -515,12 +514,6 @@ class HarmonicExtension:
     def weigh(
         self, field: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
     ) -> float: ...
-
-class BorderFactor:
-    def __init__(self, matrix: typing.Annotated[numpy.typing.ArrayLike, numpy.float64, "[m, n]"]) -> None: ...
-    def solve(
-        self, loads: typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]", "flags.c_contiguous"]
-    ) -> typing.Annotated[numpy.typing.NDArray[numpy.float64], "[m, n]"]: ...
 
 class Triangulation:
     def __init__(

@@ -9,7 +9,6 @@
 #include <string>
 #include <utility>
 
-#include "mesh/border_factor.hpp"
 #include "mesh/harmonic.hpp"
 #include "mesh/location.hpp"
 #include "mesh/mean_value.hpp"
@@ -246,10 +245,6 @@ void bind_mesh(py::module_& m) {
              "The loads (m, k) that values (nb, k) at the boundary nodes leave for the border.")
         .def("complete", &restshape::HarmonicExtension::complete, "values"_a, "border"_a,
              "Values (n, k) at all nodes from those of the last `reduce`, and those (m, k) at the border.");
-    py::class_<restshape::BorderFactor>(m, "BorderFactor",
-                                        "Solves for the border of the parts of a mesh, by a dense Cholesky factor.")
-        .def(py::init<restshape::BorderFactor::Rows>(), "matrix"_a)
-        .def("solve", &restshape::BorderFactor::solve, "loads"_a, "Solutions (m, k) for loads (m, k).");
     py::class_<BoundTriangulation>(m, "Triangulation",
                                    "Delaunay flips in the arrays of a mesh; a flipped edge keeps its number.")
         .def(py::init<Indices, Indices, Indices, const Flags&>(), py::arg("cells").noconvert(),

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.mesh.relocate import Extension, Harmonic, HarmonicExtension
@@ -80,7 +81,7 @@ class SharedHarmonicExtension:
     def __init__(self, world: MPI.Intracomm, mesh: Mesh, part: MeshPart) -> None:
         self.world, self.part, self._size = world, part, len(mesh.X)
         self._kernel: _kernels.HarmonicExtension
-        self._factor: _kernels.BorderFactor | None = None
+        self._factor: PETSc.Mat | None = None
 
         def begin() -> None:
             X = np.ascontiguousarray(mesh.X[part.own])
@@ -141,11 +142,29 @@ class SharedHarmonicExtension:
         complement = np.zeros(2 * (len(self.part.border),))
         for places, left in parts:
             complement[np.ix_(places, places)] += left
+        if not len(complement):
+            return True
+        # LAPACK makes a factor of numbers that are none, too.
+        if not np.isfinite(np.diagonal(complement)).all():
+            return False
+        self._factor = PETSc.Mat().createDense(complement.shape, array=complement, comm=PETSc.COMM_SELF)
+        self._factor.setOption(PETSc.Mat.Option.SPD, True)
         try:
-            self._factor = _kernels.BorderFactor(complement) if complement.size else None
-        except RuntimeError:
+            self._factor.factorCholesky(PETSc.IS().createStride(len(complement), comm=PETSc.COMM_SELF))
+        except PETSc.Error:
             return False
         return True
+
+    def _at_border(self, loads: np.ndarray) -> np.ndarray:
+        """Values (m, k) at the border from loads (m, k) of all parts, on the rank that has its factor."""
+        if self._factor is None:
+            return loads
+        found, (b, x) = np.empty_like(loads), self._factor.createVecs()
+        for k in range(loads.shape[1]):
+            b.setArray(loads[:, k])
+            self._factor.solve(b, x)
+            found[:, k] = x.getArray(readonly=True)
+        return found
 
     def _solve(self, values: np.ndarray) -> np.ndarray:
         """Values (m, k) at the nodes of this rank's part."""
@@ -157,8 +176,7 @@ class SharedHarmonicExtension:
             found = np.zeros((len(part.border), values.shape[1]))
             for places, load in loads:
                 found[places] += load
-            if self._factor is not None:
-                found = self._factor.solve(found)
+            found = self._at_border(found)
         at_border = self.world.bcast(found)
         return self._kernel.complete(given, np.ascontiguousarray(at_border[part.places]))
 
