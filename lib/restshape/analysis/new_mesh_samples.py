@@ -50,7 +50,9 @@ class CellSamples:
         """
         old, new, found = self.old, self.new, self.found
         meshes = old.X, old.cells, u, new.X, new.cells, start
-        return _kernels.lacking_forces(*meshes, self.at, self.weights, found.cells, found.weights, moduli, means)
+        points = self.at, self.weights, found.cells, found.weights
+        # Those of cells of several materials are a part of their parameters.
+        return _kernels.lacking_forces(*meshes, *points, np.ascontiguousarray(moduli), means)
 
     def momenta(self, v: np.ndarray, density: np.ndarray) -> np.ndarray:
         """Integrals (n, 2) [kg m/s] of the new basis of second order times the momentum of v (n_old, 2) [m/s].
