@@ -64,7 +64,7 @@ def words_of(command: str) -> list[str]:
     return [sys.executable, *(["-m", first] if not first.endswith(".py") else [first]), *rest]
 
 
-UNPINNED = ("restshape replay", "restshape bench scaling")
+UNPINNED = ("restshape replay", "restshape bench scaling", "restshape bench live")
 """Commands with more than one process at work: what records has a core of its own, as each rank has."""
 
 
