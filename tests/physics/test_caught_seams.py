@@ -1,37 +1,33 @@
 """Seams of cloth that something holds where it is."""
 
-from types import SimpleNamespace
+import logging
+import re
 
-import numpy as np
-import pytest
+from small_scenes import make_replay, write_scene
+from test_pattern_panels import garment, panel
 
-from restshape.physics.cloth.relaxation.close_seams import PATIENCE, ROUGH, close_seams
-from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.relaxation.close_seams import PATIENCE
+
+PANELS = panel("left", "move = [-0.25, 0, 0]") + panel("right", "move = [0.05, 0, 0]")
+SEAM = '[seams.middle]\nfrom = "left.right"\nto = "right.left"\n'
+HELD = '[supports.held]\non = ["left", "right"]\nfix = ["x", "y", "z"]\n'
+POST = "[bodies.{name}]\ncapsule = {{ start = [{x}, 0.07, -0.3], end = [{x}, 0.07, 0.3], radius = 0.02 }}\n"
 
 
-@pytest.mark.parametrize(("residual", "rounds"), [(1e8, PATIENCE), (0.5 * ROUGH, 10)])
-def test_cloth_that_cannot_move_is_given_up_far_from_rest_alone(residual, rounds):
-    """Near rest the seams pull harder, until they do with all of their stiffness."""
-    seams = SimpleNamespace(edge_length=0.02, stiffness=np.array([1e6]), pull=1.0, gap=lambda _: 0.1)
-    problem = SimpleNamespace(
-        seams=seams, size=0.3, stiffest=300.0, corners=lambda x: x, mesh=SimpleNamespace(cell_piece=np.ones(1))
-    )
-    problem.pull_seams = lambda part: setattr(seams, "pull", part)
-    falls = []
+def pulls(folder, caplog, *tables: str) -> list[float]:
+    """With what part of their stiffness seams have pulled, round by round, in the first frame."""
+    replay = make_replay(write_scene(folder, garment(PANELS, SEAM, *tables)))
+    with caplog.at_level(logging.INFO, logger="restshape.physics"):
+        next(iter(replay.frames()))
+    return [float(found[1]) for found in re.finditer(r"Seams open by \S+ m: pulled with (\S+) of", caplog.text)]
 
-    class Light:
-        def __enter__(self):
-            return self
 
-        def __exit__(self, *_):
-            return False
+def test_seams_of_cloth_at_rest_pull_harder_until_they_have_all_of_their_stiffness(tmp_path, caplog):
+    found = pulls(tmp_path, caplog, HELD)
+    assert found == sorted(found) and found[0] < 0.1 and found[-1] == 1.0
 
-    problem.lightened = lambda _: Light()
 
-    def fall(x, goal, most, report):
-        falls.append(most)
-        report.residual = residual
-        x += 1e-7
-
-    close_seams(SimpleNamespace(problem=problem, fall=fall), np.zeros((4, 3)), 3000, ConvergenceReport())
-    assert len(falls) == rounds if residual > 1.0 else len(falls) >= rounds
+def test_cloth_that_no_step_moves_is_given_up_far_from_rest(tmp_path, caplog):
+    posts = POST.format(name="one", x=-0.15) + POST.format(name="other", x=0.15)
+    found = pulls(tmp_path, caplog, posts, "[effects.contact]\n")
+    assert len(found) == PATIENCE and found[-1] < 1.0

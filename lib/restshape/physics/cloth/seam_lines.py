@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,14 +98,28 @@ def seam_pairs(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float) ->
 
 
 def _pair(scene: Scene, mesh: Mesh, placed: np.ndarray, stiffest: float, name: str, seam: Seam) -> SeamPair:
-    first, second = (_line(mesh, placed, side, f"seams.{name}.{key}") for key, side in zip(("from", "to"), seam.sides))
-    # Chains have the cloth on their left: side by side they run in opposite directions.
-    turned = turned_round(mesh.X, placed, first, second) if seam.reverse is None else not seam.reverse
-    second = second.reversed if turned else second
+    first, second = joined_sides(mesh, placed, name, seam.sides, seam.reverse)
     size = scene.mesh.size or float(np.mean([np.diff(line.lengths(mesh.X)).mean() for line in (first, second)]))
     stiffness, flat = seam.stiffness or STIFFER * stiffest / size, seam.stitched == "flat"
     pleats = _pleats(scene, mesh, name, first) if seam.pleats else None
     return SeamPair(name, first, second, stiffness, seam.ease, size, flat, seam.slack, pleats)
+
+
+def joined_sides(
+    mesh: Mesh, placed: np.ndarray, name: str, sides: Sequence[tuple[str, ...]], reverse: bool | None
+) -> tuple[SeamLine, SeamLine]:
+    """Both sides of a seam, in the order in which their places belong together; `placed` as of `seam_pairs`.
+
+    Args:
+        name: of the seam; sides: names of the edges of each; reverse: as of `Seam`.
+
+    Raises:
+        UserError: a side has no edge on the mesh.
+    """
+    first, second = (_line(mesh, placed, side, f"seams.{name}.{key}") for key, side in zip(("from", "to"), sides))
+    # Chains have the cloth on their left: side by side they run in opposite directions.
+    turned = turned_round(mesh.X, placed, first, second) if reverse is None else not reverse
+    return first, second.reversed if turned else second
 
 
 def pleated_lines(scene: Scene, mesh: Mesh, placed: np.ndarray) -> Iterator[tuple[SeamLine, Pleats]]:
@@ -153,13 +167,13 @@ def turned_round(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: Sea
     """
     a, b, c, d = (placed[line.nodes[end]] for line in (first, second) for end in (0, -1))
     ways = [np.sum((a - p) ** 2) + np.sum((b - q) ** 2) for p, q in ((c, d), (d, c))]
-    for straight, turned in (ways, [_energy(X, placed, first, other) for other in (second, second.reversed)]):
+    for straight, turned in (ways, [mean_square(X, placed, first, other) for other in (second, second.reversed)]):
         if abs(straight - turned) > ALIKE * max(straight, turned):
             return bool(turned < straight)
     return True
 
 
-def _energy(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> float:
+def mean_square(X: np.ndarray, placed: np.ndarray, first: SeamLine, second: SeamLine) -> float:
     """The mean square [m^2] of the distance in space between places of two sides at one share of their lengths."""
     shares = [line.lengths(X) / line.lengths(X)[-1] for line in (first, second)]
     s = np.union1d(*shares)

@@ -14,6 +14,7 @@ from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER, Layers
 from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
 from restshape.physics.cloth.retreat import retreats
 from restshape.physics.cloth.scene import ClothArguments
+from restshape.physics.cloth.seam_order import order_notes
 from restshape.physics.cloth.squeezed import refuse_squeezed
 from restshape.physics.cloth.trust import penetration_notes
 from restshape.physics.cloth.tunnelling import penetrations
@@ -92,24 +93,25 @@ def _placed(problem: ClothProblem, arguments: ClothArguments) -> np.ndarray:
 
 
 def start_notes(problem: ClothProblem, begun: Beginning, scene: Scene) -> list[str]:
-    """What there is to note of bodies, and of layers, where a scene places its cloth.
+    """What there is to note of bodies, of layers and of the order of seams, where a scene places its cloth.
 
     Raises:
         UserError: two bodies hold it between them, or a support holds a layer below one that it lies outside of.
     """
+    orders = order_notes(scene, problem.mesh, begun.placed)
     found = []
     if problem.contact:
         refuse_squeezed(problem.contact, begun.placed, scene.bodies)
         found = penetration_notes("begins", problem, scene, penetrations(problem.contact, begun.placed))
         if begun.retreat is not None:
-            return [f"{note}: {RETREATED}" for note in found]
+            return [*(f"{note}: {RETREATED}" for note in found), *orders]
         out = _moved(begun.placed, begun.out)
         found = [f"{note}: {out} put outside, the nearest way" if out else note for note in found]
     if problem.ordered_layers:
         _refuse_constrained(problem, problem.ordered_layers, begun, scene)
         if (ordered := _moved(begun.out, begun.ordered)) and not problem.ordered_layers.notes(begun.ordered):
             found.append(f"{ordered} put outside of lower layers")
-    return [*found, *begun.doubts]
+    return [*found, *begun.doubts, *orders]
 
 
 def _refuse_constrained(problem: ClothProblem, layers: Layers, begun: Beginning, scene: Scene) -> None:
