@@ -162,7 +162,7 @@ APPLICATION = re.compile(
 )
 """What names an application, of which some have the names of what mechanics speaks of."""
 OF_ALL = {
-    *("test_browser_drags.py", "test_examples.py", "test_house.py"),
+    *("test_browser_drags.py", "test_browser_player.py", "test_examples.py", "test_house.py"),
     *("test_layers.py", "test_ranks_in_time.py", "test_recordings.py", "test_words.py"),
 }
 """Tests of what goes over all applications."""

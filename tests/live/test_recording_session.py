@@ -160,3 +160,44 @@ def test_a_recording_has_the_marks_of_its_scene_where_the_session_had_them(recor
     viewer.say("show", marks=False)
     assert viewer.of("frame")[-1]["marks"] == []
     live.end()
+
+
+def known_marks(viewer, number):
+    """The marks of a frame, once there is nothing left to find out about it."""
+    viewer.say("seek", frame=number)
+    while viewer.session._beside.wants(number):
+        viewer.session.idle()
+    viewer.drain()
+    return next(one["marks"] for one in reversed(viewer.of("frame")) if "marks" in one)
+
+
+def test_a_recording_shows_what_the_application_says_beside_it(recorded):
+    path, _ = recorded
+    live = LocalSession(bracket())
+    there = {frame["number"]: frame for event in EVENTS for frame in live.event(**event) if frame["type"] == "frame"}
+    viewer = Viewer(path)
+    for number in (5, 2):
+        marks = known_marks(viewer, number)
+        assert viewer.of("frame")[-1]["number"] == number
+        # All but where their arrays lie in the message.
+        said = ("kind", "name", "text", "meaning", "words")
+        pair = (marks, there[number]["marks"])
+        plain = [[{key: one.get(key) for key in said} for one in of] for of in pair]
+        assert plain[0] == plain[1] and len(plain[0]) > 3
+    assert not viewer.of("note")
+    viewer.say("show", marks=False)
+    assert viewer.of("frame")[-1]["marks"] == []
+    live.end()
+    viewer.session._beside.close()
+
+
+def test_a_recording_of_other_frames_says_that_they_are_others(recorded, monkeypatch):
+    viewer = Viewer(recorded[0])
+    points = viewer.recording.points
+    monkeypatch.setattr(viewer.recording, "points", lambda number: points(number) + 1e-4 * (number == 3))
+    known_marks(viewer, 2)
+    assert not viewer.of("note")
+    known_marks(viewer, 3)
+    (note,) = viewer.of("note")
+    assert "frame 3" in note["message"] and "take the recording over" in note["message"]
+    assert not viewer.session._beside.wants(2)

@@ -8,7 +8,7 @@ import gc
 import sys
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 from petsc4py import PETSc
 
@@ -140,11 +140,10 @@ def _of_recording(options: WorkerOptions, link: Link | None) -> SessionParts | N
         played = RecordingSession(link, RecordingPlayer(recording), str(options.out or ""))
         if not options.resume:
             played.start()
+        gc.enable()
         played.run()
         if played.taken is None and not played.has_more:
             return None
-        found, header = RecordingPlayer(recording), recording.header
-        how, policy = (str(header.get(key) or "") for key in ("predict", "policy"))
-        predict = cast("Predict", how if how in ("linear", "gmls") else "none")
+        found = RecordingPlayer(recording)
         script = found.script if played.taken is not None else None
-        return SessionParts(found.scene, predict, script, played.taken, policy or None, played)
+        return SessionParts(found.scene, found.predict, script, played.taken, found.policy, played)

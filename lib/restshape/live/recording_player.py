@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -36,6 +36,7 @@ from restshape.scene.plain_values import table_in
 
 if TYPE_CHECKING:
     from restshape.arrays import Indices, Reals
+    from restshape.interface.simulation import Predict
     from restshape.live.live_simulation import Progress
     from restshape.live.script_player import Watch
     from restshape.live.shown_marks import Mark
@@ -100,6 +101,17 @@ class RecordingPlayer:
         """
         header, path = self.recording.header, self.recording.path
         return recorded_scene(table_in(header, "scene_values"), path.with_name(_name(header.get("scene"), "scene")))
+
+    @property
+    def policy(self) -> str | None:
+        """What was reused from frame to frame; None: as the scene says."""
+        return str(self.recording.header.get("policy") or "") or None
+
+    @property
+    def predict(self) -> Predict:
+        """How frames of drags were predicted."""
+        how = self.recording.header.get("predict")
+        return how if how in ("linear", "gmls") else "none"
 
     @cached_property
     def script(self) -> Script:
@@ -171,6 +183,11 @@ class RecordingPlayer:
             extremes = [] if row["refused"] else self._extremes(seen)
             found = shown_with([*recorded_marks(scene, outline, row, X), *extremes], mode_of(self.field))
         return Moment(header, parts, self._moved_marks(found, parts), float(recording.times[number]))
+
+    def marked(self, moment: Moment, marks: Sequence[Mark]) -> Moment:
+        """A frame with other marks, put where its shape is drawn."""
+        shown = shown_with(marks, mode_of(self.field)) if self.marks else ()
+        return replace(moment, marks=self._moved_marks(shown, moment.parts))
 
     def _space(self, number: int) -> RecordedSpace:
         """The mesh of a frame, for marks; the same object where nothing has moved to other cells."""

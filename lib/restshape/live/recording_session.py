@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from restshape.errors import UserError
 from restshape.live import messages as page
+from restshape.live.marks_beside import MarksBeside
 from restshape.live.message_loop import MessageLoop, SessionEnd
 from restshape.live.player_controls import PlayerControls
 from restshape.report.field import true_scale
@@ -39,6 +40,8 @@ class RecordingSession(MessageLoop):
         self._recorded, self._out = recorded, out
         self.at, self.frames = recorded.at, recorded.frames
         self._controls = PlayerControls(self, self, recorded.text)
+        self._beside = MarksBeside(recorded)
+        self._sent: Moment | None = None
         controls: tuple[type[page.Message], ...] = (page.PlayMessage, page.PauseMessage, page.SeekMessage)
         answer: Callable[..., None] = self._controls.answer
         self.handlers |= {one: answer for one in (*controls, page.TakeMessage)}
@@ -65,6 +68,18 @@ class RecordingSession(MessageLoop):
 
     def forget(self) -> None:
         """Nothing: frames are read again each time."""
+
+    def run(self) -> None:
+        """Answers until the server ends the session, or the hand takes over."""
+        try:
+            super().run()
+        finally:
+            self._beside.close()
+
+    def send(self, moment: Moment) -> None:
+        """Shows a frame: with what the application says of it, where that is known."""
+        self._sent, marks = moment, self._beside.of(moment.number)
+        super().send(moment if marks is None else self._recorded.marked(moment, marks))
 
     def take_over(self) -> None:
         """Ends this part of the session."""
@@ -97,8 +112,21 @@ class RecordingSession(MessageLoop):
         self.start()
 
     def idle(self) -> None:
-        """Plays on, or waits for a message."""
-        self.wait(self._controls.go_on() if self._controls.playing else None)
+        """Plays on, finds out what the application says of what is shown, or waits for a message."""
+        if self._controls.playing:
+            left = self._controls.go_on()
+            if self._beside.took < left and self._beside.wants(self.at + 1):
+                self._beside.step(self.at + 1)
+            else:
+                self.wait(left)
+        elif self._beside.wants(self.at):
+            self._beside.step(self.at)
+            if self._sent is not None and self._beside.of(self.at) is not None:
+                self.send(self._sent)
+        else:
+            self.wait(None)
+        if why := self._beside.news():
+            self.say({"type": "note", "message": f"of the recording, only what is in its file is shown: {why}"})
 
     def before(self, message: page.Message) -> None:
         """Nothing."""

@@ -36,6 +36,10 @@ class ScriptPlayer:
         """Number of the last frame that was computed."""
         return self._live.sim.frame.index
 
+    def kept(self, number: int) -> Moment | None:
+        """What a page sees of a frame, where that is known."""
+        return self._kept.get(number)
+
     def _keep(self) -> Moment:
         found = self._moment()
         self._kept.add(found)
