@@ -13,6 +13,7 @@ from restshape.cli import lone_process
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
 RANK = "PMI_RANK"
+PLUGINS = "PYDANTIC_DISABLE_PLUGINS"
 
 
 @pytest.fixture
@@ -28,6 +29,17 @@ def ended(monkeypatch):
     codes = []
     monkeypatch.setattr(os, "_exit", codes.append)
     return codes
+
+
+def test_a_lone_process_looks_for_no_plugins_of_pydantic_by_itself(ended, monkeypatch):
+    monkeypatch.setattr(gc, "disable", lambda: None)
+    for given, found in ((None, "__all__"), ("none", "none")):
+        monkeypatch.delenv(PLUGINS, raising=False)
+        if given:
+            monkeypatch.setenv(PLUGINS, given)
+        lone_process.begin()
+        assert os.environ[PLUGINS] == found
+    monkeypatch.delenv(PLUGINS)
 
 
 def test_a_lone_process_ends_at_once(ended):

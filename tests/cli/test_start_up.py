@@ -8,11 +8,11 @@ from pathlib import Path
 import petsc4py
 import pytest
 
-from restshape.surroundings import POINT_TO_POINT, start_petsc
+from restshape.surroundings import DISCOVERY, LONE, POINT_TO_POINT, start_petsc
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
-UNNEEDED = ("scipy", "gmsh", "meshio", "rich.progress", "matplotlib", "numpy.typing", "h5py", "ezdxf")
-UNNEEDED += ("slepc4py", "multiprocessing", "asyncio", "http", "restshape.replay.vtkhdf")
+UNNEEDED = ("scipy", "gmsh", "meshio", "matplotlib", "numpy.typing", "h5py", "ezdxf")
+UNNEEDED += ("slepc4py", "multiprocessing", "asyncio", "http", "restshape.replay.vtkhdf", "rich")
 
 
 @pytest.fixture
@@ -45,6 +45,17 @@ def test_a_recording_is_written_without_its_library_in_the_process_that_solves(i
     assert not modules.intersection(UNNEEDED)
 
 
+def test_libraries_of_the_kernels_are_loaded_while_modules_of_python_are_imported(outside):
+    """Without the kernels' own module, which waits for them with all of Python."""
+    program = "import sys\nfrom restshape.cli.early_libraries import KERNELS, loading_libraries\n"
+    program += "with loading_libraries():\n    pass\nprint(KERNELS in sys.modules, open('/proc/self/maps').read())\n"
+    program += "sys.modules[KERNELS] = None\nwith loading_libraries():\n    import threading\n"
+    program += "    print('threads', threading.active_count())"
+    done = subprocess.run([sys.executable, "-c", program], env=outside, capture_output=True, text=True, timeout=60)
+    assert done.stdout.startswith("False ") and "/_kernels." in done.stdout and "/libpetsc" in done.stdout
+    assert done.stdout.endswith("threads 1\n"), "what is there is not loaded again"
+
+
 @pytest.mark.slow
 def test_the_machine_is_asked_for_its_name_only_where_results_say_it(outside, tmp_path):
     program = "import sys\nfrom restshape.cli.main import main\nimport restshape.replay.request as request\n"
@@ -57,17 +68,23 @@ def test_the_machine_is_asked_for_its_name_only_where_results_say_it(outside, tm
 
 @pytest.mark.parametrize(
     "environment, chosen",
-    [({}, "ob1"), ({"OMPI_COMM_WORLD_SIZE": "2"}, None), ({"PMI_RANK": "0"}, None), ({POINT_TO_POINT: "cm"}, "cm")],
+    [
+        ({}, LONE),
+        ({"OMPI_COMM_WORLD_SIZE": "2"}, {}),
+        ({"PMI_RANK": "0"}, {}),
+        ({POINT_TO_POINT: "cm"}, LONE | {POINT_TO_POINT: "cm"}),
+        ({DISCOVERY: "xml"}, LONE | {DISCOVERY: "xml"}),
+    ],
 )
 def test_a_process_without_others_does_not_look_for_network_cards(monkeypatch, environment, chosen):
     """Nor do ranks hear of that, whoever starts them."""
-    names = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", POINT_TO_POINT)
+    names = ("OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", *LONE)
     for name in names:
         monkeypatch.delenv(name, raising=False)
     for name, value in environment.items():
         monkeypatch.setenv(name, value)
     met = []
-    monkeypatch.setattr(petsc4py, "init", lambda words: met.append(os.environ.get(POINT_TO_POINT)))
+    monkeypatch.setattr(petsc4py, "init", lambda words: met.append({name: os.environ.get(name) for name in LONE}))
     start_petsc()
-    assert met == [chosen]
+    assert met == [dict.fromkeys(LONE) | chosen]
     assert {name: os.environ[name] for name in names if name in os.environ} == environment

@@ -3,9 +3,14 @@
 from collections.abc import Mapping
 from typing import Any
 
+from restshape.cli.terminal import on_terminal
+
 
 def print_doubtful(line: str, doubtful: bool = True) -> None:
     """Prints a line, orange where it is of something that is not to be trusted."""
+    if not on_terminal():
+        print(line)
+        return
     # Rich takes as long to import as short commands take in all.
     from rich.text import Text
 

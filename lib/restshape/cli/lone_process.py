@@ -12,9 +12,13 @@ _state = {"lone": False}
 
 
 def begin() -> None:
-    """From now on nobody else has anything in this process: memory is not searched for cycles while modules load."""
+    """From now on nobody else has anything in this process: memory is not searched for cycles while modules load.
+
+    Nor are packages searched for what watches pydantic's models.
+    """
     _state["lone"] = True
     gc.disable()
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
 def alone() -> bool:

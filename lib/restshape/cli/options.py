@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from restshape.application import application_of
+from restshape.cli.plain_table import plain_table
 from restshape.cli.ranks import first_rank
+from restshape.cli.terminal import on_terminal
 from restshape.errors import UserError, printable
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.claims import command_files, refuse_outputs
@@ -154,27 +156,25 @@ def print_table(
         right: heads of the columns to align to the right.
         doubtful: it is of what is not to be trusted: orange on a terminal.
     """
+    cells = [[shown(cell) for cell in row] for row in rows]
+    if not on_terminal():
+        for line in (printable(title), *plain_table(columns, cells, right)):
+            print(line)
+        return
+    # Rich takes as long to import as short commands take in all.
     from rich.table import Table
     from rich.text import Text
 
     from restshape.cli.console import ORANGE, console
 
     out = console()
-    box = {} if out.is_terminal else {"box": None, "pad_edge": False, "padding": (0, 2, 0, 0)}
-    table = Table(header_style="bold", style=ORANGE if doubtful else "", row_styles=[ORANGE] * doubtful, **box)
+    table = Table(header_style="bold", style=ORANGE if doubtful else "", row_styles=[ORANGE] * doubtful)
     for column in columns:
         table.add_column(Text(column), justify="right" if column in right else "left", overflow="fold")
-    for row in rows:
-        cells = [shown(cell) for cell in row]
-        table.add_row(*(Text(cell if out.is_terminal else " ".join(cell.splitlines())) for cell in cells))
+    for row in cells:
+        table.add_row(*map(Text, row))
     out.print(Text(printable(title), style="bold"), soft_wrap=True)
-    if out.is_terminal:
-        out.print(table)
-        return
-    with out.capture() as plain:
-        out.print(table)
-    for line in plain.get().splitlines():
-        out.file.write(line.rstrip() + "\n")
+    out.print(table)
 
 
 def shown(cell: Any) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from restshape.application import Application
 from restshape.cli.doubtful import print_doubtful, untrusted_words
+from restshape.cli.early_libraries import loading_libraries
 from restshape.cli.limits import add_limits, keep_frames, lift_limits, limited
 from restshape.cli.lone_process import set_up
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
@@ -90,6 +91,7 @@ def run(args: argparse.Namespace) -> int:
     """Replay; 0 when all frames were replayed, 1 when parity fails or --strict finds a refused one, 2 on bad input."""
     _check_regret(args)
     process = _begin_recorder() if args.out and first_rank() else None
+    _import_early()
     with limited(args) as begin_frame:
         try:
             request = _request(args)
@@ -107,6 +109,16 @@ def _begin_recorder() -> Begun:
     from restshape.replay.recorder_start import begun
 
     return begun()
+
+
+def _import_early() -> None:
+    """What every request needs: compiled modules, then those of Python beside the kernels' libraries."""
+    import numpy  # noqa: F401
+    import pydantic_core  # noqa: F401
+
+    with loading_libraries():
+        import restshape.replay.request  # noqa: F401
+        import restshape.scene.load  # noqa: F401
 
 
 def _request(args: argparse.Namespace) -> Request:
