@@ -26,8 +26,8 @@ POINT_TO_POINT = "OMPI_MCA_pml"
 """How Open MPI passes messages. Before it chooses, a library for network cards measures the processor's clock, for
 0.13 s: a lone process, which has nobody to pass messages to, names the plain way (ob1)."""
 DISCOVERY = "HWLOC_COMPONENTS"
-"""What hwloc looks at, where MPI asks for the machine. Its cards and disks, which MPI passes messages by, take a third of
-MPI's start."""
+"""What hwloc looks at, where MPI asks for the machine. Cards and disks, which a lone process does not ask for, take a
+third of MPI's start."""
 LONE = {POINT_TO_POINT: "ob1", DISCOVERY: "-pci,-linuxio"}
 """What a lone process sets while MPI starts."""
 RANKED = {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK"}

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from threading import Thread
 
 KERNELS = "restshape._kernels"
-"""Brings PETSc, MPI and a hundred libraries of theirs along, whose symbols are bound for as long as 200 modules take."""
+"""Brings PETSc, MPI and a hundred libraries of theirs along, whose symbols take as long to bind as 200 modules."""
 
 
 @contextmanager

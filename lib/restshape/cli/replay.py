@@ -117,7 +117,7 @@ def _import_early() -> None:
     import pydantic_core  # noqa: F401
 
     with loading_libraries():
-        import restshape.replay.request  # noqa: F401
+        import restshape.replay.request
         import restshape.scene.load  # noqa: F401
 
 
