@@ -4,7 +4,7 @@ from __future__ import annotations
 
 # More than 15 modules: here matrices, solver, mode ids, prediction and estimates of a frame meet, a module each.
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.pencil import multiplied, sample
 from restshape.analysis import modal_output
-from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
+from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, State, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.hanging import HangingColumns
 from restshape.analysis.modal_binding import bound, followed
@@ -29,7 +29,7 @@ from restshape.first_use import made
 
 if TYPE_CHECKING:
     from restshape.fem.eigenproblem import Maker
-    from restshape.fem.problem import Fields
+    from restshape.fem.problem import Fields, Problem
     from restshape.fem.space import Space
     from restshape.scene.model import Scene
     from restshape.scene.plan import Plan
@@ -121,6 +121,23 @@ class ModalAnalysis(Timeless):
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
         return self.state.observer(self.state.frequencies, self.state.ids)
+
+    def observed_on(
+        self, frame: Frame, before: State[Problem] | None, solved: State[Problem], earlier: bool
+    ) -> dict[str, float]:
+        """The quantities of a frame on another mesh of its shape; see `Analysis.observed_on`.
+
+        Modes have the ids of the replay's own, so that quantities which follow a mode are of the same one.
+        """
+        self.solve(frame)
+        # Both states are those of an analysis of this kind; this mesh has the nodes of the chosen one.
+        known = cast("ModalState | None", solved if earlier else before)
+        modes = self.state.modes
+        if known is not None and known.modes.vectors.shape[1] == modes.vectors.shape[1]:
+            last = known.modes.vectors
+            ids = known.modes.ids.track(last, modes.vectors, modes.mass_products, self.solver.pencil.norms(last))
+            self.state = replace(self.state, modes=replace(modes, ids=ids))
+        return self.observe()
 
     def row(self) -> RowValues:
         """Columns of a frame's row that only modes have."""
