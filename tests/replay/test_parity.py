@@ -4,7 +4,7 @@ import json
 
 import pytest
 from shipped_scripts import coarser
-from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
+from small_scenes import HEAD, HOLE, across, block, drag, make_replay, meshed, plate, rows_of, write_scene, write_script
 
 from restshape import _kernels
 from restshape.application import applications
@@ -186,3 +186,32 @@ def test_a_solve_that_stops_early_is_noticed(tmp_path):
     made.analysis.solver.ksp.setTolerances(rtol=1e-2)
     found, _ = parity(made)
     assert not found["holds"] and found["entries"] <= ENTRIES
+
+
+RIGID = (
+    HEAD
+    + block()
+    + HOLE
+    + '[material.m]\nE = 1e9\nnu = 0.3\n[effects.solid]\nmodel = "plane_strain"\n'
+    + '[supports.ends]\non = ["left", "right"]\nfix = { x = 0.2, y = 0 }\n'
+    + meshed(0.12)
+)
+"""A block with a hole that goes along x as it is: its strains are rounding alone."""
+MOVED = [
+    *drag("window", (0.5, 0.5), across((0.5, 0.5), (0.6, 0.5), 3)),
+    {"do": "set", "key": "material.m.E", "value": 2e9},
+]
+
+
+def test_a_body_without_strains_meets_a_cold_solve(tmp_path):
+    found, _ = parity(make_replay(write_scene(tmp_path, RIGID), write_script(tmp_path, MOVED)))
+    assert found["holds"], found
+
+
+def test_a_body_without_strains_that_is_off_is_noticed(tmp_path):
+    made = make_replay(write_scene(tmp_path, RIGID), write_script(tmp_path, []))
+    check = Parity(made)
+    for _ in made.frames():
+        made.analysis.state.system.full[:] *= 1.0 + 1e-10
+        check()
+    assert not check.summary()["holds"]

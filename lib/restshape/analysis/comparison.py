@@ -14,19 +14,20 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
 
-def compared(warm: GatheredSystem, cold: GatheredSystem, definite: bool = True) -> Comparison:
+def compared(warm: GatheredSystem, cold: GatheredSystem, definite: bool = True, least: float = 0.0) -> Comparison:
     """How far a system is from a cold one: entries relative to the largest, solutions in the energy norm.
 
     Args:
         definite: matrices are positive definite; those that are not give no norm, and solutions are compared by the
             largest difference over the largest unknown.
+        least: of the free part's energy norm, below which the norm of the whole is rounding: that counts instead.
     """
     entries = matrix_difference(warm.matrix, cold.matrix)
     if not definite:
         largest = float(np.abs(cold.solution).max(initial=0.0))
         difference = float(np.abs(warm.solution - cold.solution).max(initial=0.0))
         return Comparison(entries, difference / largest if largest else difference)
-    return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy))
+    return Comparison(entries, energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy, least))
 
 
 def compared_by_fields(warm: GatheredSystem, cold: GatheredSystem, fields: Sequence[tuple[int, float]]) -> Comparison:
@@ -44,11 +45,18 @@ def compared_by_fields(warm: GatheredSystem, cold: GatheredSystem, fields: Seque
     return Comparison(matrix_difference(warm.matrix, cold.matrix), worst)
 
 
-def energy_distance(matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None) -> float:
-    """The energy norm of x - reference over that of reference, or over that of unknowns with a known energy."""
+def energy_distance(
+    matrix: sp.csr_matrix, x: np.ndarray, reference: np.ndarray, energy: float | None = None, least: float = 0.0
+) -> float:
+    """The energy norm of x - reference over that of reference, or over that of unknowns with a known energy.
+
+    Of these over `least` times the norm of reference at least: prescribed values that are the same everywhere leave
+    an energy of rounding alone.
+    """
 
     def norm(v: np.ndarray) -> float:
         return float(np.sqrt(max(0.0, v @ (matrix @ v))))
 
-    scale = norm(reference) if energy is None else np.sqrt(2.0 * energy)
-    return float(norm(x - reference) / scale) if scale else norm(x - reference)
+    size = norm(reference)
+    scale = size if energy is None else max(float(np.sqrt(2.0 * energy)), least * size)
+    return norm(x - reference) / scale if scale else norm(x - reference)

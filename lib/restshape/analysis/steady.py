@@ -536,7 +536,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def compare_cold(self) -> Comparison:
         """The state beside a solve with new pattern, values and factor, and no guess."""
-        return compared(self.warm_system(), self.cold_system(), self.solver.traits.definite)
+        least = ROUND_OFF / self.solver.tolerance
+        return compared(self.warm_system(), self.cold_system(), self.solver.traits.definite, least)
 
     def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""
