@@ -58,5 +58,5 @@ def energy_distance(
         return float(np.sqrt(max(0.0, v @ (matrix @ v))))
 
     size = norm(reference)
-    scale = size if energy is None else max(float(np.sqrt(2.0 * energy)), least * size)
+    scale = size if energy is None else max(float(np.sqrt(2.0 * max(0.0, energy))), least * size)
     return norm(x - reference) / scale if scale else norm(x - reference)
