@@ -188,3 +188,25 @@ def test_a_dxf_has_no_error_and_its_pieces_are_on_the_standard_s_layers(tmp_path
     used = {one.dxf.layer for block in ("front", "back") for one in drawing.blocks.get(block)}
     assert used == {"1", "4", "7", "11", "14", "15"} <= {one.dxf.name for one in drawing.layers}
     assert all(one.dxftype() in ("INSERT", "TEXT") for one in drawing.modelspace())
+
+
+def test_a_closed_line_with_a_part_of_no_length_is_a_piece(tmp_path):
+    """Other programs write such parts; both ends of one are one vertex."""
+    drawing = ezdxf.new("R2010", units=4)
+    points = [(0, 0), (200, 0), (200, 100), (199.9999, 100.0001), (0, 100.0001)]
+    drawing.modelspace().add_lwpolyline(points, close=True, dxfattribs={"layer": CUT})
+    drawing.saveas(tmp_path / "sheet.dxf")
+    found = read_pattern_dxf(tmp_path / "sheet.dxf")
+    assert [piece.outline().area() for piece in found.pieces] == [pytest.approx(0.02, rel=1e-5)] and not found.notes
+
+
+def test_a_cut_line_has_no_arc_around_a_corner_that_is_none(tmp_path):
+    """An edge bends by 0.02 mrad: around that corner the line turns within 0.2 um."""
+    corners = [(0.0, 0.0), (0.15, -1.5e-6), (0.3, 0.0), (0.3, 0.2), (0.0, 0.2)]
+    vertices = {f"v{k}": list(corner) for k, corner in enumerate(corners)}
+    edges = {f"e{k}": {"line": [f"v{k}", f"v{(k + 1) % 5}"]} for k in range(5)}
+    piece = PatternPiece("front", {"outline": list(edges), "vertices": vertices, "edges": edges})
+    (line,) = cut_lines(piece.outline(), 0.01, "front")
+    assert np.hypot(*(line - np.roll(line, 1, axis=0)).T).min() >= 1e-6
+    write_pattern_dxf(Pattern((piece,)), tmp_path / "front.dxf", 0.01)
+    assert not read_pattern_dxf(tmp_path / "front.dxf").notes

@@ -23,6 +23,8 @@ CHORD = 1e-5
 """Most distance of the line from what it stands for [m]."""
 NEAR = 1e-6
 """Distance [mm] at which ends of curves are one."""
+SHORT = 1e-3
+"""Length [mm] of a part of the line below which it is left out: the arc around a corner that is none."""
 FINE = 0.05
 """Of an allowance: spacing of places along a hole, from which its depth is found."""
 MOST = 0.5
@@ -138,7 +140,12 @@ def _moved(model: Any, border: Reals, distance: float) -> list[Reals]:
     loop = occ.addCurveLoop([occ.addLine(a, b) for a, b in pairwise([*points, points[0]])])
     made = occ.offsetCurve(loop, distance)
     occ.synchronize()
-    return _closed([_points(model, tag) for dimension, tag in made if dimension == 1])
+    return [_thinned(line) for line in _closed([_points(model, tag) for dimension, tag in made if dimension == 1])]
+
+
+def _thinned(line: Reals) -> Reals:
+    """A closed line (m, 2) [mm] without points that lie at the one before."""
+    return line[np.hypot(*(line - np.roll(line, 1, axis=0)).T) >= SHORT]
 
 
 def _points(model: Any, tag: int) -> Reals:

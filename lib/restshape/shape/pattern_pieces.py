@@ -87,14 +87,15 @@ def pieces_of(
 
 
 def _closed(curves: list[Curve], size: float) -> tuple[list[list[Curve]], list[Curve]]:
-    """Loops of curves that meet end to end, and the curves that are in none."""
+    """Loops of curves that meet end to end, and the curves that are in none; those within one joint are in neither."""
     starts, stops = (np.array([curve.points[end] for curve in curves]) for end in (0, -1))
     ends = joints(starts, stops, size).ends
+    long = [i for i, (start, stop) in enumerate(ends) if start != stop]
     at: dict[int, list[int]] = {}
-    for i, pair in enumerate(ends):
-        for vertex in pair:
+    for i in long:
+        for vertex in ends[i]:
             at.setdefault(vertex, []).append(i)
-    loops, opened, left = [], [], dict.fromkeys(range(len(curves)))
+    loops, opened, left = [], [], dict.fromkeys(long)
     while left:
         waiting, own = [next(iter(left))], []
         while waiting:
