@@ -6,7 +6,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import cast
 
 FINDINGS_BYTES = 1200
@@ -46,7 +46,7 @@ class Finding:
 
     def as_dict(self) -> dict[str, object]:
         """What it has, for JSON; numbers that JSON does not know are texts."""
-        known = {name: value for name, value in asdict(self).items() if value not in ("", (), None)}
+        known = {name: value for name, value in vars(self).items() if value not in ("", (), None)}
         return {name: str(v) if isinstance(v, float) and not math.isfinite(v) else v for name, v in known.items()}
 
     @classmethod

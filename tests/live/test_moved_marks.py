@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from restshape.live import moved_marks
 from restshape.live.frame_arrays import PicturePart, sent_points
 from restshape.live.moved_marks import MovedMarks
 from restshape.live.shown_marks import Arrows, Lines, Words
@@ -54,3 +55,15 @@ def test_a_place_that_goes_to_another_triangle_is_found_again():
     few = {"points": sent_points(POINTS[:3]), "cells": CELLS[:1], "displacement": sent_points(POINTS[:3] @ SLOPES)}
     (word,) = follow([Words("here", (1.5, 0.5))], [shape(**few)])
     np.testing.assert_allclose(word.moved, np.array((1.5, 0.5)) @ SLOPES, atol=1e-7)
+
+
+def test_in_space_a_mark_goes_with_the_nearest_node_however_many_points_it_has(monkeypatch):
+    dice = np.random.default_rng(4)
+    X, moved, at = dice.random((40, 3)), dice.random((40, 3)), dice.random((9, 3))
+    part = PicturePart("shape", "surface", "shape", {"points": X, "cells": CELLS, "displacement": moved})
+    nearest = ((at[:, None] - X) ** 2).sum(axis=2).argmin(axis=1)
+    for most in (moved_marks.AT_ONCE, 0):
+        monkeypatch.setattr(moved_marks, "AT_ONCE", most)
+        lines, word = MovedMarks()([Lines("a", at, (0,), words=["b"]), Words("c", at[3])], [part])
+        np.testing.assert_array_equal(lines.moved, moved[nearest])
+        assert list(word.moved) == moved[nearest[3]].tolist() and lines.words == ["b"]

@@ -1,8 +1,11 @@
 """Triangles that show elements come in the order from which the page knows the sides inside an element."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from restshape.live.shape_surface import ShapeSurface
 from restshape.live.surface_cells import triangles_of
 
 PLACES = {
@@ -32,3 +35,15 @@ def shares(faces, side):
     """Whether two triangles of one plane face, or element, have a side; triangles of one face have the same number."""
     with_it = np.isin(faces, side).sum(axis=2) == 2
     return bool((with_it.sum(axis=0) == 2).any())
+
+
+def test_a_mesh_whose_cells_are_those_of_the_one_before_is_drawn_by_the_same_triangles():
+    cells, X = np.array([[0, 1, 2], [0, 2, 3]]), np.random.default_rng(5).random((4, 2))
+    surface = ShapeSurface()
+    first, moved, other = (
+        surface(SimpleNamespace(X=at, cells=of, topology=1), {}, {}, None)
+        for at, of in ((X, cells), (X + 0.1, cells), (X, cells.copy()))
+    )
+    assert all(first.arrays[name] is moved.arrays[name] for name in ("cells", "border"))
+    np.testing.assert_allclose(moved.arrays["points"], X + 0.1, atol=1e-7)
+    assert other.arrays["cells"] is not first.arrays["cells"]

@@ -18,6 +18,7 @@ from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, 
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, recorded_utilisations, utilisation_range
+from restshape_apps.furniture.physics.plank_beam import cross
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_findings import overbent
 from restshape_apps.furniture.physics.plank_phrases import balanced_by_springs, phrases
@@ -320,7 +321,7 @@ class FurnitureAnalysis(Timeless):
         if self.forces:
             u, X = self.forces[0].u, self.space.X.reshape(planks, 8, 3)
             arms = X - X.mean(axis=1, keepdims=True)
-            moved = (u[:, None, :3] + np.cross(np.broadcast_to(u[:, None, 3:], arms.shape), arms)).reshape(-1, 3)
+            moved = (u[:, None, :3] + cross(u[:, None, 3:], arms)).reshape(-1, 3)
         cells = {"utilisation": self.utilisation, "valid": np.full(planks, float(self.result.valid))}
         if self.plan.on("bending"):
             cells["deflection"] = self.deflection

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from restshape_apps.furniture import _kernels
@@ -64,7 +65,12 @@ def compliances(piece: Piece, nominal: Compliance) -> tuple[Compliance, ...]:
 
     Such a line, half the thickness t from the edge about which it turns, makes the ratio 4 / t^2.
     """
-    thinnest = min((float(piece.planks[joint.i].size[2]) for joint in piece.joints), default=1.0)
+    return _compliances(min((float(piece.planks[joint.i].size[2]) for joint in piece.joints), default=1.0), nominal)
+
+
+@lru_cache(64)
+def _compliances(thinnest: float, nominal: Compliance) -> tuple[Compliance, ...]:
+    """Those of pieces whose thinnest plank [m] with an end in a joint is the same, as frames of a drag have them."""
     ratios = (*DECADES, max(4.0 / thinnest**2, DECADES[-1]))
     t = nominal.joint_t
     return tuple(replace(nominal, joint_r=ratio * t, floor=floor * t) for ratio in ratios for floor in FLOORS)

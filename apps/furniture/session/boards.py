@@ -71,8 +71,10 @@ class MovingBoards:
         planks = frame.design.furniture.moved(frame.gamma).planks
         if old is None or len(old.cells) != len(planks):
             self._topology += 1
+            cells = 8 * np.arange(len(planks), dtype=np.int32)[:, None] + CORNERS
+        else:
+            cells = old.cells
         X = np.concatenate([plank.corners() for plank in planks])
-        cells = 8 * np.arange(len(planks), dtype=np.int32)[:, None] + CORNERS
         self.mesh = Boards(frame, X, cells, self._topology)
         advance = MeshUpdate.nothing()
         moves = frame.change not in ("start", "none", "values")

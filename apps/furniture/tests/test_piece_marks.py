@@ -113,3 +113,12 @@ def test_marks_change_no_row():
     scene = restshape.load(TABLE, "effects.guidance.freedoms=1", "effects.guidance.suggestions=1")
     marked, plain = rows_with_and_without(scene, events)
     assert len(plain) == 4 and marked == plain
+
+
+def test_planks_that_move_are_the_same_cells_at_other_places(table):
+    before = table.replay.solver.space
+    with table.press("leg-4", parameter="length y") as hand:
+        hand.by(0.03)
+        after = table.replay.solver.space
+        assert after is not before and after.cells is before.cells and not np.array_equal(after.X, before.X)
+    table.undo()

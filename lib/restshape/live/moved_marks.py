@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import mul
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
@@ -23,6 +23,8 @@ STAYS = ("goal",)
 """Meanings of marks that lie where the deformed shape should come to be."""
 SPACE = 3
 """Directions of displacements as they are drawn."""
+AT_ONCE = 1 << 14
+"""Distances from nodes to places that are computed at once: more of them leave the processor's nearest memory."""
 INSIDE = -1e-6
 """Least share of a corner at which a place still counts as inside a triangle."""
 
@@ -83,7 +85,7 @@ def _with_moves(mark: Mark, shape: _DrawnShape, last: Mark | None) -> Mark:
     moves = shape.moves(np.asarray(mark.points, dtype=float).tolist())
     if isinstance(last, ALONG) and last.moved is not None and last.moved.tolist() == moves:
         return last
-    return replace(mark, moved=np.array(moves))
+    return mark.gone(np.array(moves))
 
 
 @dataclass(eq=False)
@@ -104,7 +106,22 @@ class _DrawnShape:
 
     def moves(self, places: Sequence[Sequence[float]]) -> list[list[float]]:
         """Displacements [m] in space of places [m]: those of the shape there; beside it, of its nearest node."""
-        return [self._moves(place) if len(self.points) else [0.0] * SPACE for place in places]
+        if not len(self.points):
+            return [[0.0] * SPACE for _ in places]
+        if not self._flat and len(self.points) * len(places) <= AT_ONCE:
+            return self._nearest(places)
+        return [self._moves(place) for place in places]
+
+    def _nearest(self, places: Sequence[Sequence[float]]) -> list[list[float]]:
+        """Displacements in space of the nearest nodes, which are found for all places at once."""
+        d = self.points.shape[1]
+        wanted = np.zeros((len(places), d))
+        given = np.array(places)[:, :d]
+        wanted[:, : given.shape[1]] = given
+        points = cast("Reals", self.points)
+        nodes = ((points - wanted[:, None]) ** 2).sum(axis=2).argmin(axis=1)
+        found: list[list[float]] = self.displacement[nodes].tolist()
+        return found if len(found[0]) == SPACE else [[*own, *[0.0] * (SPACE - len(own))] for own in found]
 
     def _moves(self, place: Sequence[float]) -> list[float]:
         """The displacement in space of a place; numbers of Python, for those of so few points cost least."""

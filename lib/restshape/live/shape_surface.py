@@ -53,6 +53,7 @@ class ShapeSurface:
 
     def __init__(self) -> None:
         self._version: tuple[object, int] = (None, -1)
+        self._cells: AnyArray | None = None
         self._triangles = ShownTriangles.none()
         self._known: dict[str, AnyArray] = {}
         self._shifted = ShiftedPoints()
@@ -84,10 +85,10 @@ class ShapeSurface:
         colours: Colours | None,
     ) -> PicturePart:
         """The same of a mesh whose nodes are at other places X (n, d) [m]."""
-        version = (space, space.topology)
-        if self._version[0] is not space or self._version[1] != space.topology:
-            self._version, self._known, self._shifted = version, {}, ShiftedPoints()
+        if self._version[1] != space.topology or not (self._version[0] is space or self._cells is space.cells):
+            self._known, self._shifted = {}, ShiftedPoints()
             self._triangles = triangles_of(X, space.cells)
+        self._version, self._cells = (space, space.topology), space.cells
         geometry = getattr(space, "geometry", None)
         # In a frame that moves nodes nothing is as it was.
         self._moved = geometry is not None and geometry != self._geometry

@@ -17,7 +17,7 @@ import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
-import { roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
+import { placeOf, roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
 import { Turns } from "../../../lib/restshape/live/page/src/hand/turns";
 import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
 import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
@@ -247,4 +247,10 @@ test("words leave handles free where another side of their place does", () => {
   assert.deepEqual(roomFor(word, 100, 100, { ...around, handles: all }), other); // handles at all sides: where it was
   assert.equal(roomFor(word, 100, 100, { ...around, taken: all }), null);
   assert.ok(right - left === 60);
+});
+
+test("words move from pixel to pixel of the display", () => {
+  assert.equal(placeOf(10.3, 20.8, 1), "translate(10px, 21px)");
+  assert.equal(placeOf(10.49, 20.51, 1), placeOf(9.5, 21.49, 1));
+  assert.equal(placeOf(10.3, 20.8, 2), "translate(10.5px, 21px)");
 });

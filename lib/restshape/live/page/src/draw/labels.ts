@@ -55,7 +55,7 @@ export class Labels {
         if (free) taken.push(box);
         if (one.free !== free) one.element.style.visibility = free ? "visible" : "hidden";
         one.free = free;
-        const place = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px)`;
+        const place = placeOf(left, top, devicePixelRatio || 1);
         if (free && one.place !== place) one.element.style.transform = one.place = place;
       }
     }
@@ -113,6 +113,12 @@ export function roomFor(one: { width: number; spot: number }, x: number, y: numb
   }
   one.spot = 0;
   return null;
+}
+
+/** A place as the style has it, at whole pixels of a display with so many of them a pixel of the page: less than one is no move to see. */
+export function placeOf(left: number, top: number, ratio: number): string {
+  const [x, y] = [left, top].map((one) => Math.round(one * ratio) / ratio);
+  return `translate(${x}px, ${y}px)`;
 }
 
 function boxAt(wide: number, x: number, y: number, width: number, height: number, right: boolean, above: boolean): Box {
