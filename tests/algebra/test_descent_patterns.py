@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.descent import Descent
 
 
@@ -39,4 +40,7 @@ def test_a_new_matrix_within_a_run_is_solved_with(kind):
     assert norm <= 1e-10 and x == pytest.approx(np.ones((4, 3)), abs=1e-9)
     # Newton's method takes one in each step, and converges by squares.
     assert len(energy.matrices) == (descent.steps if kind == "newton" else 1) and descent.steps < 15
+    # A factor that serves many steps substitutes by panels.
+    factor = descent.ksp.getPC().getFactorMatrix()
+    assert _kernels.panel_value_bytes(factor.handle) == (8 if kind == "quasi" else 0)
     descent.destroy()

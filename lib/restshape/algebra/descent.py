@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
-from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.preconditioner import set_preconditioner, substitute_by_panels
 from restshape.algebra.shared_solves import set_shared_factor
 from restshape.algebra.step_share import StepShare, whole_step
 from restshape.algebra.weak_calls import weak_call
@@ -118,7 +118,7 @@ class Descent:
         self.known: tuple[Reals, float] | None = None
         self._last = self.work
         self.prefix, self.ksp = prefix, self._solver(comm, prefix, factor) if self.kind.tangent else None
-        self.tangent = PersistentKSP(self.ksp)
+        self.tangent = PersistentKSP(self.ksp, self.kind.snes == "qn")
         self.snes = self._made()
 
     @property
@@ -257,18 +257,22 @@ class PersistentKSP:
 
     Args:
         ksp: the solver.
+        often: each matrix serves many steps.
 
     Attributes:
         matrix: what it solves with; SNES holds the first one of a run.
     """
 
-    def __init__(self, ksp: PETSc.KSP) -> None:
-        self.ksp, self.matrix = ksp, PETSc.Mat()
+    def __init__(self, ksp: PETSc.KSP, often: bool) -> None:
+        self.ksp, self.often, self.matrix = ksp, often, PETSc.Mat()
 
     def setUp(self, pc: PETSc.PC) -> None:
         """Take in the matrix."""
         self.ksp.setOperators(self.matrix)
         self.ksp.setUp()
+        if self.often:
+            # In single precision descents of cloth that supports have torn end far above the others.
+            substitute_by_panels(self.ksp, single=False)
 
     def apply(self, pc: PETSc.PC, x: PETSc.Vec, y: PETSc.Vec) -> None:
         """Set y to what the solver makes of x."""

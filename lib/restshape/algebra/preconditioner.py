@@ -59,6 +59,26 @@ def set_preconditioner(
     return given
 
 
+def substitute_by_panels(ksp: PETSc.KSP, single: bool) -> None:
+    """Let a complete Cholesky factor, as it is now, substitute by panels, which are worth making for several solves.
+
+    Of another kind it stays as it is.
+
+    Args:
+        ksp: a solver of one matrix on this rank, or with a factor that ranks share; it is set up.
+        single: of single precision, for which an iteration makes up.
+
+    Source: docs/theory/levels-of-reuse.md.
+    """
+    pc = ksp.getPC()
+    if pc.getType() == "python":
+        pc.getPythonContext().substitute_by_panels(single)
+    elif pc.getType() == "cholesky":
+        factor = pc.getFactorMatrix().handle
+        if not _kernels.panel_value_bytes(factor):
+            _kernels.solve_by_panels(factor, single)
+
+
 def _set_whole(pc: PETSc.PC, kind: str, levels: int, mumps: bool, blocks: bool, shifts: bool) -> dict[str, object]:
     """Set a preconditioner of the whole matrix up to its options, which are returned; arguments as of the above."""
     if mumps:

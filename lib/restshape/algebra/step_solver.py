@@ -8,7 +8,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.at_exit import destroyed_at_exit
 from restshape.algebra.nodal import NodalVectors
-from restshape.algebra.preconditioner import set_preconditioner
+from restshape.algebra.preconditioner import set_preconditioner, substitute_by_panels
 from restshape.algebra.shared_solves import set_shared_factor
 from restshape.algebra.tries import Tries
 from restshape.arrays import Reals
@@ -24,7 +24,7 @@ MOST = 2000
 DEAR = 1.2
 """Iterations of relaxation, over the square root of the number of unknowns, from which on a complete factor costs less:
 on a sheet a factor takes as many products as about so many readings of the matrix."""
-KEPT = 6
+KEPT = 10
 """Iterations with the factor of an earlier step, from which on a new one costs less."""
 
 
@@ -120,6 +120,7 @@ class StepSolver:
         ksp, left_out = self._complete, self._old.left_out()
         ksp.setOperators(matrix)
         if not left_out:
+            substitute_by_panels(ksp, single=True)
             ksp.getPC().setReusePreconditioner(True)
             solved = self._run(ksp, goal, KEPT)[1]
             ksp.getPC().setReusePreconditioner(False)
