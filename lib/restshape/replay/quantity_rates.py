@@ -23,6 +23,7 @@ from restshape.sensitivity.outline_velocity import node_velocity, point_velocity
 from restshape.shape.gesture import drag
 
 if TYPE_CHECKING:
+    from restshape.analysis.restorable import RestorableAnalysis
     from restshape.arrays import Reals
     from restshape.fem.problem import Problem
     from restshape.mesh.lagrange_space import LagrangeSpace
@@ -91,6 +92,7 @@ class Rates(NamedTuple):
         """Derivatives of each quantity by a number of the scene, in its unit a SI unit of the number.
 
         By central differences of two solves on the mesh as it lies; where the number gives the shape, nodes follow.
+        Answers that hang on the way to them, as of cloth, are solved for from that of the frame.
 
         Raises:
             UserError: there is no such number, or no derivative.
@@ -101,7 +103,7 @@ class Rates(NamedTuple):
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UserError("this is no number of the scene", key, "name one such as material.steel.E")
         step = STEP * (abs(value) or 1.0)
-        scenes = [revise(scene, key, value + sign) for sign in (step, -step)]
+        scenes = [self._changed(key, value + sign, value) for sign in (step, -step)]
         mesh = self.replay.moving.field_mesh
         try:
             along = point_velocity(mesh.outline, scene, scenes, step)
@@ -114,6 +116,18 @@ class Rates(NamedTuple):
             raise UserError(f"there is no derivative: {problem}", key, "choose another value of it") from problem
         return {name: np.array((ahead[name] - behind[name]) / (2.0 * step)) for name in ahead}
 
+    def _changed(self, key: str, value: float, here: float) -> Scene:
+        """The scene with another value of a number beside the one that it has here.
+
+        Raises:
+            UserError: it may not have that value.
+        """
+        try:
+            return revise(self.replay.session.scene, key, value)
+        except UserError as error:
+            what = f"there is no derivative at {here:g}, for {value:g} is refused: {error.what}"
+            raise UserError(what, key, "choose another value of it") from error
+
     def _refuse(self, where: str) -> None:
         """Refuses frames that are not solved on a mesh of an outline, each for itself."""
         replay = self.replay
@@ -125,11 +139,16 @@ class Rates(NamedTuple):
             raise UserError("the frame has no solution of its own", where, "ask for one that is solved")
 
     def _solved(self, space: Mesh | LagrangeSpace, scene: Scene) -> Analysis[Problem]:
-        """An analysis of its own that has solved the frame on a mesh."""
+        """An analysis of its own that has solved the frame on a mesh: where there are several answers, from its own."""
         request = self.request
         context = Context(self.replay.comm, request.policy, request.calibration, Stages(), guided=False)
         analysis = made_analysis(scene, request.application, context)
-        analysis.solve(Frame(space, np.arange(len(space.cells), dtype=np.int32), None, scene, (None, (0.0, 0.0))))
+        cells, hand = np.arange(len(space.cells), dtype=np.int32), (None, (0.0, 0.0))
+        known: RestorableAnalysis | None = getattr(self.replay.analysis, "restorable", None)
+        own: RestorableAnalysis | None = getattr(analysis, "restorable", None)
+        if known is not None and own is not None:
+            own.restore(known.kept_answer(), Frame(space, cells, None, self.replay.session.scene, hand))
+        analysis.solve(Frame(space, cells, None, scene, hand))
         return analysis
 
 
@@ -151,6 +170,10 @@ def _moved(
 
 
 def _exact(scene: Scene) -> Scene:
-    """A scene whose solves are exact enough to be differenced."""
+    """A scene whose solves are exact enough to be differenced; an effect that has their tolerance leaves it to them."""
     solve = scene.solve.model_copy(update={"tolerance": min(scene.solve.tolerance, TOLERANCE)})
-    return scene.model_copy(update={"solve": solve})
+    effects = {
+        name: {key: value for key, value in settings.items() if key != "tolerance"}
+        for name, settings in scene.effects.items()
+    }
+    return scene.model_copy(update={"solve": solve, "effects": effects})
