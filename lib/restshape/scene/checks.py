@@ -186,7 +186,7 @@ def _check_materials(scene: Scene, source: Source) -> None:
 def _check_references(scene: Scene, source: Source) -> None:
     """Refuses supports, loads, quantities, sizes and groups on entities that are not there."""
     in_file = scene.shape.file or scene.mesh.file
-    kinds = {} if in_file else scene.shape.kinds()
+    kinds = {} if in_file else {**source.edited, **scene.shape.kinds()}
     for name, quantity in scene.quantities.items():
         _check_place(name, quantity, kinds, source)
     if in_file:

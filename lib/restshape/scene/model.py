@@ -453,6 +453,14 @@ class Scene(Strict):
         """Where files that the scene names are looked for."""
         return self._source.path.parent
 
+    def with_parts(self, kinds: Mapping[str, str]) -> Self:
+        """The same scene, which may name parts that edits have made, by their names: vertex, edge, hole, region."""
+        if kinds == self._source.edited:
+            return self
+        scene = self.model_copy()
+        scene._source = self._source.with_parts(kinds)
+        return scene
+
     def located(self, error: UserError) -> UserError:
         """The same error with file and line, if its place is a key of this scene such as ``shape.edges.top``."""
         key = split_key(error.where)

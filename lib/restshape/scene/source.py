@@ -1,7 +1,7 @@
 """The text a user wrote: where each key stands in it, and how an error names the place."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from difflib import get_close_matches
@@ -88,6 +88,7 @@ class Source:
         overridden: dotted keys given on the command line or by an edit, which stand on no line.
         named: files that the command line names itself, wherever they lie.
         recorded: the tables come from a recording, which names no file that is read.
+        edited: parts of the shape that edits have made, which the tables may name, and what each is.
     """
 
     path: Path
@@ -95,6 +96,7 @@ class Source:
     overridden: tuple[tuple[str, ...], ...] = ()
     named: tuple[str, ...] = ()
     recorded: bool = False
+    edited: Mapping[str, str] = field(default_factory=dict)
     lines: dict[tuple[str, ...], int] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -117,6 +119,12 @@ class Source:
         source = copy(self)
         if key not in self.overridden:
             source.overridden = (*self.overridden, key)
+        return source
+
+    def with_parts(self, kinds: Mapping[str, str]) -> "Source":
+        """The same text, shared, whose tables may name parts that edits have made."""
+        source = copy(self)
+        source.edited = kinds
         return source
 
     def line(self, key: tuple[str, ...]) -> int | None:

@@ -37,6 +37,36 @@ def members(outline: Outline, name: str) -> set[str]:
     return {name, *outline.groups.get(name, ())}
 
 
+def parts_of_edits(scene: Scene, outline: Outline) -> dict[str, str]:
+    """Names that the shape has and the scene does not give, since edits have made them, with what they are."""
+    kinds = {name: kind for kind in ("vertex", "edge", "hole", "region") for name in outline.names(kind)}
+    given = scene.shape.kinds()
+    return {name: kind for name, kind in kinds.items() if name not in given}
+
+
+def _ends(outline: Outline, parent: str | None = None) -> dict[str, set[str]]:
+    """The names of the vertices at both ends of each edge, or of each that was cut from one edge."""
+    names = outline.vertex_names
+    return {e.name: {names[e.start], names[e.end]} for e in outline.edges if parent in (None, e.parent)}
+
+
+def _kept(name: str, former: Outline, outline: Outline) -> bool:
+    """Whether other parts of the edge that an edge was cut from stand where it was, as it was cut, or has joined one.
+
+    What it was cut into has new names, and meets its ends. What it has joined met it at a vertex that is gone.
+    """
+    parent = next((edge.parent for edge in former.edges if edge.name == name), None)
+    if parent is None:
+        return False
+    before, now = _ends(former, parent), _ends(outline, parent)
+    left = before[name] & set(outline.vertex_names)
+    deleted = before[name] - left
+    if not deleted:
+        return left <= set().union(*(ends for other, ends in now.items() if other not in before))
+    beside = [other for other, ends in before.items() if other != name and deleted & ends]
+    return len(deleted) == 1 and any(left <= now.get(other, set()) for other in beside)
+
+
 def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = None) -> None:
     """Makes sure that all names that a scene relies on are there.
 
@@ -54,6 +84,8 @@ def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = N
     sizes = [("mesh.near", name) for name in scene.mesh.near] if former is None else []
     for key, name in [*uses(scene), *sizes]:
         for part in members(former or outline, name) - there:
+            if former is not None and _kept(part, former, outline):
+                continue
             lost.setdefault(part, []).append(key)
     if lost:
         part, keys = next(iter(lost.items()))

@@ -56,7 +56,7 @@ from restshape.shape.outline import Entity, Outline
 from restshape.shape.panel_drag import fold_beside, refuse_foreign_part, turned_panel
 from restshape.shape.pin_drag import begin_space_grab
 from restshape.shape.pull import pull
-from restshape.shape.references import refuse_lost_names, without_lost_sizes
+from restshape.shape.references import parts_of_edits, refuse_lost_names, without_lost_sizes
 from restshape.shape.script_frame import ScriptFrame
 from restshape.shape.script_session import STILL, GrabbedStep, ScriptSession, State, Step
 from restshape.shape.shape_grab import Grab, ShapeGrab
@@ -358,6 +358,7 @@ class EditSession(ScriptSession[Outline]):
         """
         before = self._state()
         try:
+            self.scene = self.scene.with_parts(parts_of_edits(self.scene, self.outline))
             self.scene = wanted()
             refuse_lost_names(self.scene, self.outline)
             refuse_switched(before[1], self.scene, self._application)

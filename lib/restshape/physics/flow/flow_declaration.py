@@ -201,7 +201,7 @@ def check_flow(scene: Scene, source: Source) -> None:
             _refuse_time(name, one, source)
     if scene.shape.file or scene.mesh.file:
         return
-    kinds = scene.shape.kinds()
+    kinds = {**source.edited, **scene.shape.kinds()}
     places = [(("boundary", name, "on"), one, CURVES) for name, table in scene.boundary.items() for one in table.on]
     for name, quantity in scene.quantities.items():
         if quantity.kind == "pressure_drop":
