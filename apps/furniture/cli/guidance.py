@@ -19,6 +19,7 @@ from restshape_apps.furniture.report.guided import (
 from restshape.cli.options import print_table
 from restshape.outputs.si_numbers import counted
 from restshape.replay.constraints import LIMIT
+from restshape.replay.rounding import cleared
 
 MOST = 12
 """Rows of a table at most."""
@@ -71,7 +72,8 @@ def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
     if last is None:
         return
     joints = redundant(last)[:MOST]
-    cells = [(name, f"{low:.3g}", f"{high:.3g}") for name, low, high in joints]
+    # A utilisation is measured against 1.
+    cells = [(name, *(f"{cleared(use, 1.0):.3g}" for use in uses)) for name, *uses in joints]
     more = last.get("redundant_count", len(redundant(last))) - len(joints)
     cells += [("...", "", f"and {more} more")] if more > 0 else []
     heads = ("joint", "min utilisation", "max utilisation")
@@ -82,16 +84,23 @@ def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
 def _valid(text: str) -> str:
     """Ranges of a recording as people read them."""
     hand = decode_ranges(text)
-    factor, unit = UNITS[hand.unit]
-    parts = "; ".join(f"{factor * low:+.6g} to {factor * high:+.6g} {unit}" for low, high in hand.doubtful)
+    size = max((abs(end) for one in hand.ranges for end in (one.low, one.high)), default=0.0)
+    parts = "; ".join(_interval(low, high, size, hand.unit) for low, high in hand.doubtful)
     doubts = f"; doubtful from {parts}" if parts else ""
-    return ("; ".join(_interval(one, factor, unit) for one in hand.ranges) or "nothing") + doubts
+    return ("; ".join(_range(one, size, hand.unit) for one in hand.ranges) or "nothing") + doubts
 
 
-def _interval(one: ValidRange, factor: float, unit: str) -> str:
-    """A range as people read it."""
-    ends = ((one.low, one.below), (one.high, one.above))
-    return " to ".join(f"{factor * end:+.6g}{' or beyond' if mark else ''}" for end, mark in ends) + f" {unit}"
+def _range(one: ValidRange, size: float, unit: str) -> str:
+    """A range as people read it; `size` is the largest end of all."""
+    marks = [" or beyond" if beyond else "" for beyond in (one.below, one.above)]
+    return _interval(one.low, one.high, size, unit, marks)
+
+
+def _interval(low: float, high: float, size: float, unit: str, marks: Sequence[str] = ("", "")) -> str:
+    """An interval in its SI unit as people read it, with a mark behind each end."""
+    factor, shown = UNITS[unit]
+    texts = [f"{factor * cleared(end, size):+.6g}{mark}" for end, mark in zip((low, high), marks)]
+    return f"{' to '.join(texts)} {shown}"
 
 
 def _frames(same: Sequence[Mapping[str, Any]]) -> str:

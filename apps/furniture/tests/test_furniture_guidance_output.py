@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from furniture_scenes import BENCH, write_bench, write_edits
+from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
 from restshape_apps.furniture.physics.plank_findings import APART, FALLS, LOST, NEAREST, PART, PULL, WEAK, WEIGHTS
 from restshape_apps.furniture.physics.plank_phrases import phrases
@@ -244,3 +245,14 @@ def test_grouped_frames_have_the_largest_of_their_distances():
     assert grouped(lost(20) + other, lost(19.5) + other) == [text.format("up to 20")]
     assert grouped(lost(20) + other, lost(9.5) + other) == ["lost: arm misses post, leg misses top"]
     assert grouped(lost(1), other) == ["lost: arm misses post", "lost: leg misses top"]
+
+
+def test_tables_show_rounding_as_nothing(capsys):
+    """Against the largest end of the ranges of a parameter, and against the utilisation at which a joint breaks."""
+    hand = Grabbed("left: move", "m", (ValidRange(1.4e-20, 0.2, False, False),), ((-3e-17, 0.1),))
+    uses = json.dumps([["left on seat", 1.4e-20, 0.3], ["right on seat", 1e-6, 0.2]])
+    row = {"index": 0, "line": 2, "parameter": "left: move", "valid_ranges": encode_ranges(hand), "inside": 1}
+    print_guidance([{**row, "redundant": uses, "constraint_status": "holds", "no_suggestions": ""}])
+    shown = capsys.readouterr().out
+    assert "e-20" not in shown and "e-17" not in shown
+    assert "+0 to +200 mm; doubtful from +0 to +100 mm" in shown and "1e-06" in shown

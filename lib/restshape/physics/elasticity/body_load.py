@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from restshape.errors import UserError
 from restshape.fem.elements import MASS
 from restshape.fem.entity_sets import cells_on
 from restshape.fem.nodal_values import evaluate, rates, varies
-from restshape.fem.region_materials import require_value
 from restshape.fem.space import Space
 from restshape.scene.model import Load, Scene
 
@@ -94,11 +94,16 @@ class BodyLoads:
 
 
 def require_density(scene: Scene, gravity: np.ndarray | None) -> None:
-    """Refuse gravity on a material without density.
+    """Refuse gravity on a material without density; one that is said to be 0 is none where another has weight.
 
     Raises:
         UserError: gravity (2,) [m/s^2] is on, and some material has none.
     """
-    if gravity is not None and np.any(gravity):
-        do = 'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]'
-        require_value(scene, "rho", "gravity is on, but the material has no density", do)
+    if gravity is None or not np.any(gravity):
+        return
+    materials = scene.material.values()
+    heavy = any(material.rho for material in materials)
+    for name, material in scene.material.items():
+        if not material.rho and not (heavy and "rho" in material.model_fields_set):
+            do = 'give it one, e.g. rho = "7850 kg/m^3", or leave out [effects.gravity]'
+            raise UserError("gravity is on, but the material has no density", f"material.{name}", do)
