@@ -130,6 +130,17 @@ def test_a_part_of_the_pattern_stays_in_its_plane(tmp_path):
     assert all("is a part of the shape, which has no z" in frame.refused for frame in frames[2:])
 
 
+@pytest.mark.parametrize("key", ["supports.tie", "supports"])
+def test_a_support_that_an_edit_has_added_is_held_by_its_name(tmp_path, key):
+    tie = {"on": "c", "fix": ["x", "y", "z"]}
+    add = {"do": "set", "key": key, "value": tie if key == "supports.tie" else {"tie": tie}}
+    hold = [{"do": "press", "on": "tie"}, {"do": "drag", "path": [[1.0, 0.9, 0.2]]}]
+    frames = frames_of(tmp_path, add, *hold)
+    assert not any(frame.refused for frame in frames) and fix(frames[-1], "tie")["z"] == pytest.approx(0.2)
+    with pytest.raises(UserError, match="tie is no body and no support in space"):
+        frames_of(tmp_path, *hold)
+
+
 def test_a_pin_that_is_gone_refuses_the_hand(tmp_path):
     without = {"do": "set", "key": "supports", "value": {"lift": {"on": "c", "fix": ["x", "z"]}}}
     frames = frames_of(tmp_path, {"do": "press", "on": "pin"}, without, {"do": "drag", "to": [0, 0, 1]})

@@ -506,7 +506,19 @@ class ScriptReader:
     def _is_in_space(self, name: str) -> bool:
         """Whether a name may be that of a body or a support in space, one that an edit adds too."""
         known = self.in_space
-        return known is None or name in known or (len(known) > 0 and name.startswith(SUPPORTS))
+        if known is None or name in known:
+            return True
+        return len(known) > 0 and (name.startswith(SUPPORTS) or name in self._added())
+
+    def _added(self) -> set[str]:
+        """Names of the bodies and supports of which edits have set a key so far."""
+        found: set[str] = set()
+        for event in self.events:
+            table, *below = split_key(event.key) if isinstance(event, Set) else ("",)
+            if table in ("bodies", SUPPORTS.rstrip(".")):
+                value = getattr(event, "value", None)
+                found |= {below[0]} if below else set(value) if isinstance(value, dict) else set()
+        return found
 
     def check_order(self, event: EventLine, number: int) -> None:
         """Refuses time that runs backwards, and a hand that drags what it does not hold."""
