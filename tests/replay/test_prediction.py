@@ -220,6 +220,12 @@ def test_springs_and_arcs_are_solved_and_say_so(tmp_path):
     assert not any(row["predicted"] for row in rows) and "arc" in rows[2]["note"]
 
 
+def test_a_refused_frame_has_no_note_of_the_one_before(tmp_path):
+    bent = {"do": "arc", "on": "top", "bulge": 0.1, "frames": 2}
+    (rows, _), _ = both(tmp_path, [bent, {"do": "scale", "on": "window", "factor": 9}])
+    assert rows[-1]["refused"] and "arc" in rows[-2]["note"] and rows[-1]["note"] == ""
+
+
 def test_new_meshes_in_each_frame_cannot_be_predicted(tmp_path):
     with pytest.raises(UserError, match="rebuild"):
         make_replay(write_scene(tmp_path, plate()), None, "rebuild", predict="linear")

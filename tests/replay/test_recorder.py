@@ -269,3 +269,17 @@ def test_a_field_with_another_number_of_values_is_refused_and_frames_before_are_
             recorder.frame(0.0, CORNERS, {}, {"stress": np.zeros((1, components))}, {})
     with Recording(path) as recording:
         assert recording.n == 1
+
+
+def test_a_limit_of_file_sizes_is_named():
+    """The shared memory is a file to the system."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60 * 1024, before[1]))
+    try:
+        with pytest.raises(UserError) as refused:
+            begun()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        signal.signal(signal.SIGXFSZ, ignored)
+    assert "ulimit -f" in refused.value.do

@@ -85,7 +85,7 @@ class FrameRows:
             "preconditioner": report.preconditioner,
             "unknowns": self.analysis.unknowns,
             "elements": len(solver.space.cells if solver.known else solver.moving.mesh.cells),
-            "note": self.prediction.note if self.prediction else "",
+            "note": self.prediction.note if self.prediction and not refused else "",
             "constraint_status": constraint_status(limits, quantities),
             "violated_constraints": "; ".join(map(formatted_constraint, violated)),
             "findings": violated,

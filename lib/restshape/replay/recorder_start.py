@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import os
 import signal
@@ -81,7 +82,9 @@ def begun(capacity: int = RING_BYTES) -> Begun:
     try:
         ring = Ring.create(capacity)
     except OSError as error:
-        raise UserError(f"no memory for the recorder ({error.strerror})", do="close other programs") from error
+        # The memory is a file without a place, to which the limit of file sizes applies.
+        do = "raise the limit of file sizes: ulimit -f" if error.errno == errno.EFBIG else "close other programs"
+        raise UserError(f"no memory for the recorder ({error.strerror})", do=do) from error
     inputs, control, answers = os.pipe(), os.pipe(), os.pipe()
     theirs = (ring.fd, inputs[0], control[0], answers[1])
     environment = {key: value for key, value in os.environ.items() if not key.startswith(MPI_VARIABLES)}

@@ -391,7 +391,8 @@ class EditSession(ScriptSession[Outline]):
             what = f"{', '.join(bodies)}: a replay has the bodies of its first frame, and of the same kinds"
             raise UserError(what, do="have it in the scene from the start, out of the way, and move it")
         if new:
-            what = f"the columns of a replay are those of its first frame, and {', '.join(new)} is not among them"
+            those = f"{', '.join(new)} {'is' if len(new) == 1 else 'are'} not among them"
+            what = f"the columns of a replay are those of its first frame, and {those}"
             raise UserError(what, do="ask for as many from the start")
 
     def _do_insert(self, event: Insert) -> Iterator[Step]:
