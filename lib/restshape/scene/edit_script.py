@@ -511,11 +511,11 @@ class ScriptReader:
         return len(known) > 0 and (name.startswith(SUPPORTS) or name in self._added())
 
     def _added(self) -> set[str]:
-        """Names of the bodies and supports of which edits have set a key so far."""
+        """Names of the supports that edits have set so far; no edit adds a body."""
         found: set[str] = set()
         for event in self.events:
             table, *below = split_key(event.key) if isinstance(event, Set) else ("",)
-            if table in ("bodies", SUPPORTS.rstrip(".")):
+            if table == SUPPORTS.rstrip("."):
                 value = getattr(event, "value", None)
                 found |= {below[0]} if below else set(value) if isinstance(value, dict) else set()
         return found
