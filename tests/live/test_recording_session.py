@@ -201,3 +201,30 @@ def test_a_recording_of_other_frames_says_that_they_are_others(recorded, monkeyp
     (note,) = viewer.of("note")
     assert "frame 3" in note["message"] and "take the recording over" in note["message"]
     assert not viewer.session._beside.wants(2)
+
+
+def test_another_frame_is_one_whose_quantities_differ_by_more_than_rounding(tmp_path, monkeypatch):
+    """The force at the wall has no part across the load, but for what the solver leaves."""
+    path, across = tmp_path / "session.vtkhdf", 'quantities.across={reaction="x",at="wall"}'
+    scene = restshape.load(BRACKET, *COARSE, across)
+    for _ in restshape.replay(scene, restshape.new_script(scene, EVENTS), out=path):
+        pass
+    viewer = Viewer(path)
+    table = viewer.recording.table
+    assert 0.0 < np.abs(table["q_across"]).max() < 1e-6 * np.abs(table["q_wall_force"]).max()
+    monkeypatch.setitem(table, "q_across", -table["q_across"])
+    known_marks(viewer, 2)
+    assert not viewer.of("note")
+    monkeypatch.setitem(table, "q_sag", table["q_sag"] * (1.0 + 1e-4))
+    known_marks(viewer, 3)
+    assert "frame 3" in viewer.of("note")[0]["message"]
+
+
+@pytest.mark.parametrize(("first", "said"), [(4e3, ""), (9e3, "its first frame took 9.0 s")])
+def test_a_first_frame_that_takes_long_is_not_computed_again(recorded, monkeypatch, first, said):
+    """Nothing of the page interrupts it."""
+    viewer = Viewer(recorded[0])
+    monkeypatch.setitem(viewer.recording.table, "ms", np.array([first, *viewer.recording.table["ms"][1:]]))
+    known_marks(viewer, 0)
+    assert [said in one["message"] for one in viewer.of("note")] == [True] * bool(said)
+    viewer.session._beside.close()

@@ -132,3 +132,21 @@ def test_what_rounding_leaves_of_a_slender_column_is_no_difference(tmp_path):
     state = replay.analysis.state
     replay.analysis.state = replace(state, modes=replace(modes, load_factors=modes.load_factors * (1.0 + 3e-5)))
     assert replay.analysis.compare_cold().solution > replay.analysis.tolerance
+
+
+def test_a_column_without_strains_meets_a_cold_solve(tmp_path):
+    """It goes along x as it is: its strain energy is rounding, to which no difference is compared."""
+    ends = '\n[supports.ends]\non = ["left", "right"]\nfix = { x = 0.2, y = 0 }\n'
+    replay = make_replay(write_scene(tmp_path, column(ends, "", size=0.02)), write_script(tmp_path, []))
+    check = Parity(replay)
+    rows_of(replay, lambda row: row.update(check()))
+    assert check.summary()["holds"], check.summary()
+
+
+def test_load_factors_that_are_no_numbers_meet_no_others(tmp_path):
+    replay = make_replay(write_scene(tmp_path, column()), write_script(tmp_path, []))
+    rows_of(replay)
+    modes = replay.analysis.state.modes
+    modes = replace(modes, load_factors=np.nan * modes.load_factors)
+    replay.analysis.state = replace(replay.analysis.state, modes=modes)
+    assert np.isnan(replay.analysis.compare_cold().solution)

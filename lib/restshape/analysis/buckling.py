@@ -192,7 +192,8 @@ class BucklingAnalysis(Timeless):
 
     def compare_cold(self) -> Comparison:
         """Matrices, displacement and load factors beside those of a solve with nothing kept."""
-        return compare_cold(self.state, self.prebuckling.warm_system(), self.prebuckling.cold_system())
+        known = self.prebuckling
+        return compare_cold(self.state, known.warm_system(), known.cold_system(), known.least_norm)
 
     # --- a frame ------------------------------------------------------------------------------------------------------
 

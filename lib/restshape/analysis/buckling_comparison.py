@@ -9,6 +9,7 @@ from restshape.algebra.gathering import GatheredSystem, gather_matrix, matrix_di
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.buckling_state import BucklingState
+from restshape.analysis.comparison import energy_distance
 from restshape.fem.assembled import Assembled
 from restshape.first_use import made
 
@@ -16,7 +17,7 @@ ROUNDING = 4.0 * float(np.finfo(float).eps)
 """Of an entry of K, a sum over elements; it counts where a slender body bends far more easily than these do."""
 
 
-def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSystem) -> Comparison:
+def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSystem, least: float) -> Comparison:
     """Largest differences of the entries of K and G, and of displacement and load factors, from a cold solve.
 
     Entries relative to the largest; of G at the same displacement. Displacements in the energy norm.
@@ -24,6 +25,7 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
     Args:
         state: solved on the mesh as it lies.
         warm, cold: the system of its equilibrium, as it was solved and from nothing.
+        least: of the norm of displacements, as of `comparison.energy_distance`.
     """
     prebuckling, found = state.prebuckling, state.modes.load_factors
     matrices = made(state.matrices)
@@ -31,11 +33,11 @@ def compare_cold(state: BucklingState, warm: GatheredSystem, cold: GatheredSyste
     entries = max(
         matrix_difference(warm.matrix, cold.matrix), matrix_difference(kept, _geometric(state, prebuckling.x))
     )
-    error = warm.solution - cold.solution
-    distance = float(np.sqrt(max(0.0, error @ (cold.matrix @ error)) / (2.0 * warm.energy))) if warm.energy else 0.0
+    distance = energy_distance(cold.matrix, warm.solution, cold.solution, warm.energy, least)
     if len(found):
         off = np.abs(found / load_factors_of(state, cold) - 1.0) - _rounding(state, cold.matrix)
-        distance = max(distance, float(off.max()))
+        # What is not a number stays none.
+        distance = float(np.max([distance, *off]))
     return Comparison(entries, distance)
 
 

@@ -536,8 +536,12 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def compare_cold(self) -> Comparison:
         """The state beside a solve with new pattern, values and factor, and no guess."""
-        least = ROUND_OFF / self.solver.tolerance
-        return compared(self.warm_system(), self.cold_system(), self.solver.traits.definite, least)
+        return compared(self.warm_system(), self.cold_system(), self.solver.traits.definite, self.least_norm)
+
+    @property
+    def least_norm(self) -> float:
+        """Share of the free part's energy norm below which the norm of the whole solution is rounding."""
+        return ROUND_OFF / self.solver.tolerance
 
     def warm_system(self) -> GatheredSystem:
         """The matrix and the free part of the solution as they stand, whole on every rank."""

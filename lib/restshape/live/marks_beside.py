@@ -17,7 +17,8 @@ from restshape.live.live_simulation import LiveSimulation, SolvedBy, quiet
 from restshape.live.moment import Moment
 from restshape.live.played_events import played_events
 from restshape.live.script_player import ScriptPlayer
-from restshape.replay.columns import quantity_column, quantity_names
+from restshape.replay.columns import quantity_column
+from restshape.report.tables import quantity_scales
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,10 +28,13 @@ if TYPE_CHECKING:
 
 LONG = 0.5
 """Seconds of a frame, in the mean, from which on the page would wait for too long."""
+BEGINNING = 5.0
+"""Seconds of the first frame from which on messages of the page would wait for too long: nothing interrupts it."""
 FEW = 5
 """Frames after which their mean is known."""
 ALIKE = 1e-6
-"""Part of a quantity by which a frame that is computed again may differ."""
+"""Part of a quantity, or of the size that it has in the recording, by which a frame that is computed again may differ:
+solvers stop at a tolerance, and what symmetry cancels is rounding."""
 HAND = "take the recording over: then its scene is simulated"
 
 
@@ -52,6 +56,7 @@ class MarksBeside:
         self.why_not, self.took = "", LONG
         self._reported = False
         self._spent, self._count = 0.0, 0
+        self._sizes: dict[str, float] = {}
 
     def of(self, number: int) -> Sequence[Mark] | None:
         """The marks of a frame; None where they are not known."""
@@ -101,6 +106,9 @@ class MarksBeside:
         times = recorded.recording.table.get("ms", np.zeros(0))
         if len(times) and (usual := 1e-3 * median(times.tolist())) > LONG:
             raise UserError(f"a frame took {usual:.1f} s", do=HAND)
+        if len(times) and (first := 1e-3 * float(times[0])) > BEGINNING:
+            raise UserError(f"its first frame took {first:.1f} s", do=HAND)
+        self._sizes = quantity_scales(recorded.recording)
         events = played_events(recorded.script)
         live = self._live = LiveSimulation(recorded.scene, SolvedBy(recorded.policy), recorded.predict)
 
@@ -123,9 +131,11 @@ class MarksBeside:
         recorded = recording.points(frame.index)
         same = len(X) == len(recorded) and str(frame.row["refused"]) == str(recording.table["refused"][frame.index])
         same = same and np.allclose(X, recorded[:, : X.shape[1]], rtol=0.0, atol=ALIKE * (np.ptp(X) or 1.0))
-        for column in map(quantity_column, quantity_names(recording.table) if same else ()):
+        for name, size in self._sizes.items() if same else ():
+            column = quantity_column(name)
             one, other = number_in(frame.row, column), float(recording.table[column][frame.index])
-            same = same and ((isnan(one) and isnan(other)) or isclose(one, other, rel_tol=ALIKE))
+            alike = isclose(one, other, rel_tol=ALIKE, abs_tol=ALIKE * size)
+            same = same and (alike or (isnan(one) and isnan(other)))
         if not same:
             raise UserError(f"frame {frame.index} of this scene is another one now than when it was recorded", do=HAND)
 

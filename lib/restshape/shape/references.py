@@ -84,7 +84,8 @@ def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = N
     sizes = [("mesh.near", name) for name in scene.mesh.near] if former is None else []
     for key, name in [*uses(scene), *sizes]:
         for part in members(former or outline, name) - there:
-            if former is not None and _kept(part, former, outline):
+            # What a key names itself has to have its name.
+            if former is not None and part != name and _kept(part, former, outline):
                 continue
             lost.setdefault(part, []).append(key)
     if lost:
