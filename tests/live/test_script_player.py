@@ -10,6 +10,7 @@ import restshape
 from restshape.live.frame_arrays import PicturePart
 from restshape.live.moment import HEADER_BYTES, KeptMoments, Moment
 from restshape.live.played_events import played_events
+from restshape.live.shown_marks import Lines, Words
 
 EVENTS = [
     {"do": "press", "on": "window", "at": [0.09, 0.062]},
@@ -136,4 +137,12 @@ def test_kept_frames_are_bounded_and_count_shared_arrays_once():
         arrays = {"cells": shared, "points": np.zeros(100)}
         part = PicturePart("shape", "surface", "shape", arrays)
         kept.add(Moment({"number": number}, [part], (), 0.0))
+    assert [number for number in range(6) if kept.get(number)] == [4, 5]
+
+
+def test_kept_frames_are_bounded_by_their_marks_too():
+    """A recording is simulated beside itself for its marks alone."""
+    kept = KeptMoments(2 * 80_000 + 2 * HEADER_BYTES)
+    for number in range(6):
+        kept.add(Moment({"number": number}, (), [Lines("seams", np.zeros((5000, 2))), Words("here")], 0.0))
     assert [number for number in range(6) if kept.get(number)] == [4, 5]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from restshape.arrays import AnyArray
 from restshape.live.frame_arrays import PicturePart
 from restshape.live.shown_marks import Mark
@@ -74,5 +76,6 @@ class KeptMoments:
 
 
 def _arrays_of(moment: Moment) -> list[AnyArray]:
-    """The arrays of the parts of a frame."""
-    return [array for part in moment.parts for array in part.arrays.values()]
+    """The arrays of the parts of a frame, and of its marks."""
+    found = [array for part in moment.parts for array in part.arrays.values()]
+    return found + [value for mark in moment.marks for value in vars(mark).values() if isinstance(value, np.ndarray)]
