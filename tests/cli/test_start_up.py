@@ -8,6 +8,7 @@ from pathlib import Path
 import petsc4py
 import pytest
 
+from restshape.cli import early_libraries
 from restshape.surroundings import DISCOVERY, LONE, POINT_TO_POINT, start_petsc
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
@@ -54,6 +55,18 @@ def test_libraries_of_the_kernels_are_loaded_while_modules_of_python_are_importe
     done = subprocess.run([sys.executable, "-c", program], env=outside, capture_output=True, text=True, timeout=60)
     assert done.stdout.startswith("False ") and "/_kernels." in done.stdout and "/libpetsc" in done.stdout
     assert done.stdout.endswith("threads 1\n"), "what is there is not loaded again"
+
+
+def test_without_another_thread_libraries_are_loaded_as_they_are_imported(monkeypatch):
+    def refuse(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.delitem(sys.modules, early_libraries.KERNELS, raising=False)
+    monkeypatch.setattr(early_libraries.Thread, "start", refuse)
+    done = []
+    with early_libraries.loading_libraries():
+        done.append(True)
+    assert done
 
 
 @pytest.mark.slow

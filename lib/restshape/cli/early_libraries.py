@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from threading import Thread
 
@@ -23,11 +23,14 @@ def loading_libraries() -> Iterator[None]:
         yield
         return
     thread = Thread(target=_load, args=(spec.origin,), name="libraries")
-    thread.start()
+    # Where the system grants no more threads, libraries are loaded as they are imported.
+    with suppress(RuntimeError):
+        thread.start()
     try:
         yield
     finally:
-        thread.join()
+        if thread.ident is not None:
+            thread.join()
 
 
 def _load(path: str) -> None:
