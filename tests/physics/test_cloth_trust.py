@@ -9,7 +9,7 @@ from cloths import HEAD
 from rich.console import Console
 from scipy.optimize import brentq
 
-from restshape.cli import console
+from restshape.cli import console, doubtful
 from restshape.cli.doubtful import print_doubtful
 from restshape.cli.main import main
 from restshape.physics.cloth.trust import penetration_notes
@@ -154,6 +154,7 @@ def test_what_is_not_to_be_trusted_is_orange_on_a_terminal_alone(monkeypatch, ca
     def terminal() -> Console:
         return Console(force_terminal=True, color_system="truecolor", highlight=False)
 
+    monkeypatch.setattr(doubtful, "on_terminal", lambda: True)
     monkeypatch.setattr(console, "console", terminal)
     print_doubtful("doubtful")
     print_doubtful("sound", doubtful=False)

@@ -225,7 +225,7 @@ def test_formulas_need_no_number_where_nodes_were(tmp_path):
     """A channel becomes so low that its mesh is new: where the inlet was, its velocity has no number now."""
     text = channel(3, 1, "rho = 1\nmu = 0.1\n", "sqrt(y*(H - y))", "[parameters]\nH = 1\n")
     text = text.replace("c = [3, 1]", 'c = [3, "H"]').replace("d = [0, 1]", 'd = [0, "H"]')
-    events = [{"do": "idle", "frames": 3}, *set_value("parameters.H", 0.3), {"do": "idle", "frames": 2}]
+    events = [{"do": "idle", "frames": 3}, *set_value("parameters.H", 0.2), {"do": "idle", "frames": 2}]
     found = rows(tmp_path, text + in_time(0.1) + "[quantities]\nfast = { speed = true }\n" + SIZE, events)
     assert found[4]["level"] == 3 and not any(row["refused"] for row in found)
     assert 0.1 < found[-1]["q_fast"] < 0.3

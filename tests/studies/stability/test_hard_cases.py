@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from dataclasses import asdict
 
 import pytest
@@ -50,18 +51,25 @@ def test_case(tmp_path, name, policy):
     assert str(tmp_path) not in json.dumps(row, allow_nan=False)
 
 
-COUNTS, LOOSE = 1.0, 1e-3
-"""Bounds from the first on are counts; of others that give no reason the second is reached."""
+COUNTS, LOOSE = 1.0, 3e-4
+"""Bounds from the first on are counts; of others that give no reason the second is reached: rounding of one processor
+is several times that of another."""
+
+NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 
 
 def loose(statements):
-    """Statements whose bounds say nothing of what is reached: without a reason, and all their values are far below."""
+    """Statements whose bounds say nothing of what is reached: without a reason, and all their values are far below.
+
+    Those with the same words count together, such as those of plates of several sizes.
+    """
     found = {}
     for one in statements:
         if one["bound"] is not None and 0.0 < one["bound"] < COUNTS and not one["why"]:
-            bound, value = found.get(one["must"], (0.0, 0.0))
-            found[one["must"]] = max(bound, one["bound"]), max(value, abs(one["value"]))
-    return {must: value for must, (bound, value) in found.items() if value < LOOSE * bound}
+            words = NUMBER.sub("1", one["must"])
+            _, bound, value = found.get(words, ("", 0.0, 0.0))
+            found[words] = one["must"], max(bound, one["bound"]), max(value, abs(one["value"]))
+    return {must: value for must, bound, value in found.values() if value < LOOSE * bound}
 
 
 def test_bounds_that_say_nothing_are_found():
