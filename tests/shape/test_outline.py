@@ -174,6 +174,27 @@ def test_shapes_that_cannot_be_are_refused(change, message):
         shape(**{**PLATE, **change})
 
 
+@pytest.mark.parametrize(("first", "second"), [("p", "q"), ("q", "p")])
+def test_edges_that_lie_along_each_other_cross_where_they_do(first, second):
+    """A region's edge lies on a part of the outline's bottom, 0.4 to 0.7 m from where that begins."""
+    tables = {
+        "vertices": {"a": [0, 0], "b": [1, 0], "c": [1, 1], "d": [0, 1], "p": [0.4, 0], "q": [0.7, 0], "r": [0.5, 0.3]},
+        "edges": {
+            "bottom": {"line": ["a", "b"]},
+            "right": {"line": ["b", "c"]},
+            "top": {"line": ["c", "d"]},
+            "left": {"line": ["d", "a"]},
+            "on": {"line": [first, second]},
+            "up": {"line": [second, "r"]},
+            "down": {"line": ["r", first]},
+        },
+        "outline": ["bottom", "right", "top", "left"],
+        "regions": {"inlay": {"loop": ["on", "up", "down"]}},
+    }
+    with pytest.raises(UserError, match=r"bottom would cross edge on near \(0\.[47], 0\)"):
+        shape(**tables)
+
+
 @pytest.mark.parametrize(("gap", "wrong"), [(3e-5, False), (1e-6, False), (-1e-6, True), (-3e-5, True)])
 @pytest.mark.parametrize("place", [1.47, 1.55, 1.6])
 def test_a_vertex_that_pokes_through_an_arc_of_its_neighbours_is_seen(place, gap, wrong):

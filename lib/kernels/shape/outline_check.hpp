@@ -41,10 +41,12 @@ inline bool segments_meet(Point a, Point b, Point c, Point d) {
     return s0 != 0 || s1 != 0 || !apart(box_of(a, b), box_of(c, d), 0.0);
 }
 
-// Where the lines of two segments meet; the start of the first where they are parallel.
+// Where the lines of two segments that meet do so; where they are parallel, the place of the first nearest to the
+// start of the other.
 inline Point meeting_point(Point a, Point b, Point c, Point d) {
-    const double turn = cross(b - a, d - c);
-    const double t = turn != 0 ? cross(c - a, d - c) / turn : 0;
+    const double turn = cross(b - a, d - c), length2 = dot(b - a, b - a);
+    const double along = length2 > 0 ? std::clamp(dot(c - a, b - a) / length2, 0.0, 1.0) : 0.0;
+    const double t = turn != 0 ? cross(c - a, d - c) / turn : along;
     return {a.x + t * (b.x - a.x), a.y + t * (b.y - a.y)};
 }
 
