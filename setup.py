@@ -18,8 +18,9 @@ import re
 import subprocess
 import sys
 import sysconfig
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 from setuptools import setup
 from setuptools._distutils.ccompiler import gen_preprocess_options
@@ -36,10 +37,14 @@ SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize=vptr")
 CHECKED = (*SANITIZERS, "-Dflatten=unused", "--param", "asan-instrumentation-with-call-threshold=0")
 """With checks in every line, functions that take in all that they call compile for minutes: here they do not."""
 BUILD = Path("build/kernels") / sysconfig.get_config_var("SOABI")
-PRECOMPILED = "precompiled.hpp"
-"""Header of the bindings of the library's module, compiled once: what it includes takes half of the time of most."""
-INTRINSICS = str(KERNELS / "intrinsics.hpp")
-"""What other files begin with: in each file that includes pybind11 the compiler makes code of it for 5 s."""
+HEADERS = BUILD / "headers"
+"""Folder of the headers that are compiled once: what they include takes a third of the time of most files."""
+PRECOMPILED, OF_BINDINGS = "precompiled.hpp", "precompiled_bindings.hpp"
+"""What files begin with, and bindings: where pybind11 is included the compiler makes code of it for 5 s."""
+ALONE = ("bind_delaunay.cpp",)
+"""Bindings with CGAL, which does not bear names that PETSc's macros have."""
+TOGETHER = 24_000
+"""Bytes up to which files of bindings are compiled as one, which makes code of pybind11 once for all of them."""
 
 
 def petsc_root() -> tuple[str, str]:
@@ -147,25 +152,29 @@ def system_headers(cgal: str | None) -> list[str]:
     """Options for the headers of others, which the compiler shall not warn of."""
     # The default folder must not come before those of the compiler itself.
     folders = [eigen_folder(), *([cgal] if cgal not in (None, "/usr/include") else [])]
-    options = [word for folder in folders for word in ("-isystem", folder)]
-    return options
+    # GCC's AVX-512 intrinsics begin with values that they do not set; what they say against warnings of it is lost
+    # where the header is compiled before.
+    return ["-Wno-maybe-uninitialized", *(word for folder in folders for word in ("-isystem", folder))]
+
+
+def own_folders() -> list[str]:
+    """Where headers are: the compiler takes one that is compiled from the first, or else itself from the second."""
+    return [str(HEADERS), str(KERNELS)]
 
 
 def kernels_extension() -> Pybind11Extension:
     """The library's module, with PETSc's library found at run time where it was found now."""
     includes, library_dirs, library = petsc_paths()
     name, cgal, flags = "restshape._kernels", cgal_folder(), compile_flags()
-    options = [*system_headers(cgal), "-include", PRECOMPILED]
     return Pybind11Extension(
         name,
         sources_in(KERNELS),
-        # The compiler takes the compiled header from the first folder, or else the header itself from the second.
-        include_dirs=[str(BUILD / name), str(KERNELS), *includes],
+        include_dirs=[*own_folders(), *includes],
         library_dirs=library_dirs,
         runtime_library_dirs=library_dirs,
         libraries=[library],
         define_macros=[("RESTSHAPE_FLAGS", f'"{" ".join(flags)}"'), ("RESTSHAPE_CGAL", "1" if cgal else "0")],
-        extra_compile_args=[*flags, *options, *mpi_flags("compile", "-I|-D|-pthread")],
+        extra_compile_args=[*flags, *system_headers(cgal), *mpi_flags("compile", "-I|-D|-pthread")],
         extra_link_args=[*mpi_flags("link", "-L|-l|-Wl|-pthread"), *(SANITIZERS if sanitized() else ())],
         cxx_std=17,
     )
@@ -177,8 +186,8 @@ def application_extensions() -> list[Pybind11Extension]:
         Pybind11Extension(
             f"restshape_apps.{folder.parent.name}._kernels",
             sources_in(folder),
-            include_dirs=[str(folder), str(KERNELS)],
-            extra_compile_args=[*compile_flags(), *system_headers(None), "-include", INTRINSICS],
+            include_dirs=[str(folder), *own_folders()],
+            extra_compile_args=[*compile_flags(), *system_headers(None)],
             extra_link_args=list(SANITIZERS) if sanitized() else [],
             cxx_std=17,
         )
@@ -189,6 +198,12 @@ def application_extensions() -> list[Pybind11Extension]:
 def sources_in(folder: Path) -> list[str]:
     """All C++ files of a folder and of those in it."""
     return sorted(str(path) for path in folder.rglob("*.cpp"))
+
+
+def headers() -> Pybind11Extension:
+    """What the headers of all modules are compiled with, as a module without files."""
+    options = [*compile_flags(), *system_headers(None)]
+    return Pybind11Extension("headers", [], include_dirs=[str(KERNELS)], extra_compile_args=options, cxx_std=17)
 
 
 def note_options(extension: Pybind11Extension) -> Path:
@@ -202,10 +217,15 @@ def note_options(extension: Pybind11Extension) -> Path:
     keys = ("include_dirs", "library_dirs", "libraries", "define_macros", "extra_compile_args", "extra_link_args")
     text = "\n".join([*(f"{key} {getattr(extension, key)}" for key in keys), sys.executable, compiler])
     note = BUILD / extension.name / "options.txt"
-    if not note.exists() or note.read_text() != text:
-        note.parent.mkdir(parents=True, exist_ok=True)
-        note.write_text(text)
+    write_new(note, text)
     return note
+
+
+def write_new(path: Path, text: str) -> None:
+    """Writes a text unless it is there already: what is newer than an object makes that object stale."""
+    if not path.exists() or path.read_text() != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
 
 
 def dependencies(built: Path) -> list[Path]:
@@ -223,19 +243,80 @@ def stale(built: Path, *others: Path) -> bool:
         return True
 
 
+def compiled_header(name: str) -> Path:
+    """Where a header is compiled to."""
+    return HEADERS / f"{name}.gch"
+
+
+def old_header(name: str) -> bool:
+    """Whether a header has to be compiled."""
+    return stale(compiled_header(name), note_options(headers()))
+
+
 def binds(source: str) -> bool:
     """Whether a file makes functions known to Python."""
     return "#include <pybind11/" in Path(source).read_text()
 
 
-def beginning(source: str, words: list[str]) -> list[str]:
-    """The options of a module for one of its files: without the header of the bindings unless it is one of them."""
-    return words if binds(source) else [INTRINSICS if word == PRECOMPILED else word for word in words]
+class Unit(NamedTuple):
+    """What the compiler is started for once.
+
+    Args:
+        source: a file, or one that includes several.
+        files: their names.
+        header: what it begins with.
+        size: bytes of the files.
+    """
+
+    source: Path
+    files: list[str]
+    header: str
+    size: int
+
+    @property
+    def built(self) -> Path:
+        """The object file."""
+        return (BUILD / self.source).with_suffix(".o")
+
+    @property
+    def begun(self) -> Path:
+        """The compiled header."""
+        return compiled_header(self.header)
 
 
-def duration(source: str) -> tuple[bool, int]:
-    """Orders sources by how long they compile: bindings take longest, and more of them longer."""
-    return binds(source), os.path.getsize(source)
+def units(extension: Pybind11Extension) -> list[Unit]:
+    """The files of a module as they are compiled, the longest first: of bindings, neighbours that are short as one."""
+    groups: list[list[str]] = []
+    for source in filter(binds, extension.sources):
+        if (
+            groups
+            and source.endswith(ALONE) == groups[-1][0].endswith(ALONE)
+            and sum(map(os.path.getsize, [*groups[-1], source])) <= TOGETHER
+        ):
+            groups[-1].append(source)
+        else:
+            groups.append([source])
+    bindings = [unit_of(extension, group, OF_BINDINGS) for group in groups]
+    others = [unit_of(extension, [source], PRECOMPILED) for source in extension.sources if not binds(source)]
+    return bindings + others
+
+
+def unit_of(extension: Pybind11Extension, sources: list[str], header: str) -> Unit:
+    """Some files as one; the file that includes several is written where it has changed."""
+    names = [source.partition("kernels" + os.sep)[2] for source in sources]
+    source = Path(sources[0])
+    if len(sources) > 1:
+        text = "".join(f'#include "{name}"\n' for name in names)
+        source = BUILD / extension.name / f"from_{source.name}"
+        write_new(source, text)
+    return Unit(source, names, header, sum(map(os.path.getsize, sources)))
+
+
+def in_order(jobs: list[tuple[Pybind11Extension, Unit]]) -> list[tuple[Pybind11Extension, Unit]]:
+    """Jobs, the longest first; one without bindings before all, while the header of the bindings is compiled."""
+    longest = sorted(jobs, key=lambda job: (job[1].header == OF_BINDINGS, job[1].size), reverse=True)
+    first = [job for job in longest if job[1].header == PRECOMPILED][:1]
+    return [*first, *(job for job in longest if job not in first)]
 
 
 class BuildKernels(build_ext):
@@ -247,53 +328,50 @@ class BuildKernels(build_ext):
         self.build_temp = str(BUILD)
 
     def build_extensions(self) -> None:
-        """Compiles what is stale of all modules, a few files at once and the longest first, and links."""
+        """Compiles what is stale of all modules, a few files at once, and links."""
         # Without it a compiler cache keeps nothing that was compiled with a header made before.
         os.environ.setdefault("CCACHE_SLOPPINESS", "pch_defines,time_macros")
-        todo = []
-        for extension in self.extensions:
-            note = note_options(extension)
-            header = self.precompile(extension, note)
-            objects = {source: (BUILD / source).with_suffix(".o") for source in extension.sources}
-            others = {source: [note, *(header if binds(source) else ())] for source in objects}
-            todo += [(extension, source) for source, built in objects.items() if stale(built, *others[source])]
-            extension.sources, extension.depends = [], [str(built) for built in objects.values()]
-            extension.extra_objects = extension.depends
-        todo.sort(key=lambda job: duration(job[1]), reverse=True)
-        numbered = enumerate(todo, 1)
         with ThreadPoolExecutor(int(os.environ.get("RESTSHAPE_BUILD_JOBS", "2"))) as pool:
-            list(pool.map(lambda item: self.compile(*item[1], f"[{item[0]}/{len(todo)}]"), numbered))
+            made = {name: pool.submit(self.precompile, name) for name in (OF_BINDINGS, PRECOMPILED) if old_header(name)}
+            todo = []
+            for extension in self.extensions:
+                note, parts = note_options(extension), units(extension)
+                todo += [
+                    (extension, unit) for unit in parts if unit.header in made or stale(unit.built, note, unit.begun)
+                ]
+                extension.sources, extension.depends = [], [str(unit.built) for unit in parts]
+                extension.extra_objects = extension.depends
+            places = [f"[{number}/{len(todo)}]" for number in range(1, len(todo) + 1)]
+            list(
+                pool.map(lambda job, place: self.compile(*job, place, made.get(job[1].header)), in_order(todo), places)
+            )
         super().build_extensions()
 
-    def precompile(self, extension: Pybind11Extension, options: Path) -> list[Path]:
-        """Compiles the header of a module that has one, if it is stale; what its bindings depend on."""
-        words = extension.extra_compile_args
-        if PRECOMPILED not in words:
-            return []
-        built, own = BUILD / extension.name / f"{PRECOMPILED}.gch", words.index(PRECOMPILED)
-        if stale(built, options):
-            sys.stdout.write(f"{PRECOMPILED}\n")
-            sys.stdout.flush()
-            folders = [*extension.include_dirs, *self.compiler.include_dirs]
-            places = gen_preprocess_options(extension.define_macros, folders)
-            made = ["-x", "c++-header", str(KERNELS / PRECOMPILED), "-o", str(built), "-MMD", "-MF"]
-            made += [str(built.with_suffix(".d")), *words[: own - 1], *words[own + 1 :]]
-            # Newer setuptools have a compiler of its own for C++, with which the files are compiled, too.
-            compiler = getattr(self.compiler, "compiler_so_cxx", None) or self.compiler.compiler_so
-            self.spawn([*compiler, *places, *made])
-        return [built]
+    def precompile(self, name: str) -> None:
+        """Compiles a header; the files of all modules can begin with it."""
+        sys.stdout.write(f"{name}\n")
+        sys.stdout.flush()
+        module, built = headers(), compiled_header(name)
+        options = module.extra_compile_args
+        places = gen_preprocess_options([], [*module.include_dirs, *self.compiler.include_dirs])
+        made = ["-x", "c++-header", str(KERNELS / name), "-o", str(built), "-MMD", "-MF", str(built.with_suffix(".d"))]
+        # Newer setuptools have a compiler of its own for C++, with which the files are compiled, too.
+        compiler = getattr(self.compiler, "compiler_so_cxx", None) or self.compiler.compiler_so
+        self.spawn([*compiler, *places, *made, *options])
 
-    def compile(self, extension: Pybind11Extension, source: str, place: str) -> None:
-        """Compiles one file, and has the compiler note what it reads."""
+    def compile(self, extension: Pybind11Extension, unit: Unit, place: str, header: Future | None) -> None:
+        """Compiles one unit when its header is there, and has the compiler note what it reads."""
+        if header:
+            header.result()
         # Several files are compiled at once: a line is written whole, its end included.
-        sys.stdout.write(f"{place} {source.partition('kernels' + os.sep)[2]}\n")
+        sys.stdout.write(f"{place} {', '.join(unit.files)}\n")
         sys.stdout.flush()
         self.compiler.compile(
-            [source],
+            [str(unit.source)],
             output_dir=self.build_temp,
             macros=extension.define_macros,
             include_dirs=extension.include_dirs,
-            extra_postargs=[*beginning(source, extension.extra_compile_args), "-MMD"],
+            extra_postargs=[*extension.extra_compile_args, "-include", unit.header, "-MMD"],
         )
 
 

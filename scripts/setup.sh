@@ -77,12 +77,33 @@ pip_install() {
        to it and PIP_NO_INDEX=1"
 }
 
+# What setup.cfg asks for, one a line.
+requirements() {
+    "$python" - "${extras[@]}" <<'PYTHON'
+import configparser
+import sys
+
+config = configparser.ConfigParser()
+config.read("setup.cfg")
+texts = [config["options"]["install_requires"], *(config["options.extras_require"][name] for name in sys.argv[1:])]
+print("\n".join(line for text in texts for line in text.split("\n") if line))
+PYTHON
+}
+
 install_packages() {
     echo "setup: build tools into $venv"
     pip_install 'setuptools>=64,<100' wheel 'pybind11>=2.11,<4'
-    # First by themselves, where the compiler's messages are seen; pip then finds it built.
-    build_extension
     echo "setup: what pip installs for ${extras[*]}"
+    local packages
+    mapfile -t packages < <(requirements)
+    # pip waits for the network, and keeps one core busy: the compiler starts beside it.
+    pip_install "${packages[@]}" &
+    local installing=$!
+    trap "kill $installing 2>/dev/null || true" EXIT
+    # First by itself, where the compiler's messages are seen; pip then finds it built.
+    build_extension
+    wait "$installing" || exit 1
+    trap - EXIT
     pip_install --no-build-isolation --editable ".[$(IFS=, && echo "${extras[*]}")]"
 }
 

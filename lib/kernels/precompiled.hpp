@@ -1,16 +1,14 @@
 // clang-format off
 #include "intrinsics.hpp"
-// Included before all else in each file of the library's module: what most of them include, compiled once for all.
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-#include <pybind11/stl.h>
-
+// Included before all else in each file: what most of them include, compiled once for all.
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <stdexcept>
 #include <string>

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "algebra/matrix_rows.hpp"
-#include "quiet_intrinsics.hpp"
 
 namespace py = pybind11;
 using restshape::check;

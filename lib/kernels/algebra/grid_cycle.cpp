@@ -10,7 +10,6 @@
 #include "algebra/ghosts.hpp"
 #include "algebra/grid_matrix.hpp"
 #include "algebra/grid_transfer.hpp"
-#include "quiet_intrinsics.hpp"
 
 namespace restshape {
 namespace {

@@ -8,12 +8,14 @@
 #include <stdexcept>
 #include <vector>
 
+#include "require.hpp"
+
 namespace py = pybind11;
 
 namespace {
 
 using Reals = py::array_t<double, py::array::c_style>;
-using Numbers = py::array_t<int32_t, py::array::c_style>;
+using Nodes = py::array_t<int32_t, py::array::c_style>;
 using Vector = std::array<double, 3>;
 
 constexpr double none = 1e-300;  // length of a direction that is none
@@ -35,7 +37,7 @@ Vector between(const double* x, int32_t from, int32_t to) {
 }
 
 // Of each coarse node its place, the normal of the cloth there, and a direction along it.
-std::vector<double> with_directions(const Reals& x, const Numbers& cells, const Numbers& next, const Reals& sign) {
+std::vector<double> with_directions(const Reals& x, const Nodes& cells, const Nodes& next, const Reals& sign) {
     const auto n = static_cast<size_t>(x.shape(0));
     std::vector<Vector> normals(n, Vector{0.0, 0.0, 0.0});
     for (py::ssize_t e = 0; e < cells.shape(0); ++e) {
@@ -57,19 +59,16 @@ std::vector<double> with_directions(const Reals& x, const Numbers& cells, const 
     return found;
 }
 
-void require(bool holds, const char* message) {
-    if (!holds) throw std::invalid_argument(message);
-}
+using restshape::require;
 
-bool within(const Numbers& numbers, py::ssize_t count) {
+bool within(const Nodes& numbers, py::ssize_t count) {
     const int32_t* first = numbers.data();
     return std::all_of(first, first + numbers.size(), [count](int32_t k) { return k >= 0 && k < count; });
 }
 
-void nested_vectors(const Reals& coarse, const Numbers& cells, const Numbers& next, const Reals& sign,
-                    const Numbers& starts, const Numbers& columns, const Reals& weights,
-                    const py::array_t<uint8_t, py::array::c_style>& placed, const Reals& vectors, bool back,
-                    Reals out) {
+void nested_vectors(const Reals& coarse, const Nodes& cells, const Nodes& next, const Reals& sign, const Nodes& starts,
+                    const Nodes& columns, const Reals& weights, const py::array_t<uint8_t, py::array::c_style>& placed,
+                    const Reals& vectors, bool back, Reals out) {
     const py::ssize_t count = coarse.ndim() == 2 ? coarse.shape(0) : 0, n = starts.size() - 1;
     require(coarse.ndim() == 2 && coarse.shape(1) == 3 && cells.ndim() == 2 && cells.shape(1) == 3,
             "coarse must be (m, 3), cells (ne, 3)");

@@ -16,7 +16,7 @@ using restshape::Point3;
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
-using Numbers = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
+using LongIndices = py::array_t<int64_t, py::array::c_style | py::array::forcecast>;
 
 const Point3* points(const Doubles& x, py::ssize_t count, const char* what) {
     if (x.ndim() != 2 || x.shape(0) != count || x.shape(1) != 3) throw std::invalid_argument(what);
@@ -45,7 +45,7 @@ double farthest_apart(const Doubles& before, const Doubles& after) {
     return std::sqrt(most);
 }
 
-double least_slide(const Doubles& x, const Numbers& nodes, const Doubles& start, const Doubles& normals) {
+double least_slide(const Doubles& x, const LongIndices& nodes, const Doubles& start, const Doubles& normals) {
     const py::ssize_t n = x.ndim() ? x.shape(0) : 0, count = nodes.size();
     const Point3* at = points(x, n, "x must have the shape (n, 3)");
     const Point3* from = points(start, count, "start must have the shape (m, 3)");

@@ -8,6 +8,7 @@
 
 #include "cloth/sheet.hpp"
 #include "fem/element.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -19,9 +20,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Output = py::array_t<double, py::array::c_style>;
 using Cells = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
 
-void require(bool holds, const char* message) {
-    if (!holds) throw std::invalid_argument(message);
-}
+using restshape::require;
 
 class Sheet {
  public:

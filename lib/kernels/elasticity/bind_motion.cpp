@@ -6,6 +6,7 @@
 
 #include "elasticity/motion_loads.hpp"
 #include "fem/bounds.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -13,9 +14,7 @@ using Ints = py::array_t<int, py::array::c_style>;
 
 namespace {
 
-void require(bool known, const char* what) {
-    if (!known) throw std::invalid_argument(what);
-}
+using restshape::require;
 
 bool fields_of(const Reals& X, const Reals& u) { return X.ndim() == 2 && X.shape(1) == 2 && u.size() == X.size(); }
 

@@ -5,26 +5,25 @@
 #include <stdexcept>
 
 #include "mesh/boundary.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
 
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style>;
-using Indices = py::array_t<std::int32_t, py::array::c_style>;
+using Reals = py::array_t<double, py::array::c_style>;
+using Ints = py::array_t<std::int32_t, py::array::c_style>;
 using Flags = py::array_t<std::uint8_t, py::array::c_style>;
 
-Doubles as_array(const std::vector<double>& values) {
-    return Doubles(static_cast<py::ssize_t>(values.size()), values.data());
+Reals as_array(const std::vector<double>& values) {
+    return Reals(static_cast<py::ssize_t>(values.size()), values.data());
 }
 
-void require(bool holds, const char* what) {
-    if (!holds) throw std::invalid_argument(what);
-}
+using restshape::require;
 
-Doubles narrow_widths(const Doubles& points, const Doubles& arc, const Indices& first, const Indices& ends,
-                      const Flags& straight, const Doubles& side, double reach, double fold) {
+Reals narrow_widths(const Reals& points, const Reals& arc, const Ints& first, const Ints& ends, const Flags& straight,
+                    const Reals& side, double reach, double fold) {
     const py::ssize_t edges = first.size() - 1;
     require(edges >= 0 && ends.size() == 2 * edges && straight.size() == edges && side.size() == edges,
             "first, ends, straight and side must be of the same edges");
@@ -42,13 +41,13 @@ Doubles narrow_widths(const Doubles& points, const Doubles& arc, const Indices& 
     return as_array(restshape::NarrowPlaces(samples, reach, fold).widths());
 }
 
-void grade_sizes(const Doubles& points, Doubles& size, double growth, double coarsest) {
+void grade_sizes(const Reals& points, Reals& size, double growth, double coarsest) {
     require(points.size() == 2 * size.size(), "points and size must have a row a sample");
     const auto count = static_cast<std::int32_t>(size.size());
     restshape::grade_sizes(points.data(), size.mutable_data(), count, growth, coarsest);
 }
 
-Doubles edge_parameters(const Doubles& s, const Doubles& arc, const Doubles& size, const Doubles& stops, int fewest) {
+Reals edge_parameters(const Reals& s, const Reals& arc, const Reals& size, const Reals& stops, int fewest) {
     require(s.size() >= 2 && arc.size() == s.size() && size.size() == s.size(),
             "s, arc and size must have a row a sample, and two at least");
     return as_array(restshape::edge_parameters(s.data(), arc.data(), size.data(), static_cast<std::int32_t>(s.size()),

@@ -12,17 +12,16 @@ using namespace pybind11::literals;
 
 namespace {
 
-using Doubles = py::array_t<double, py::array::c_style>;
-using Indices = py::array_t<std::int32_t, py::array::c_style>;
+using Reals = py::array_t<double, py::array::c_style>;
+using Ints = py::array_t<std::int32_t, py::array::c_style>;
 
 void require_size(py::ssize_t size, py::ssize_t expected, const char* name) {
     if (size != expected) throw std::invalid_argument(std::string(name) + " has the wrong size");
 }
 
-py::ssize_t follow_sides(const Doubles& corners, const Indices& corner_number, const Indices& ends,
-                         const Indices& side_number, const Indices& curved, const Doubles& reference,
-                         const Doubles& basis, double c0, double c1, Doubles offset, Doubles X, const Indices& cells,
-                         const Indices& curved_cells, double floor) {
+py::ssize_t follow_sides(const Reals& corners, const Ints& corner_number, const Ints& ends, const Ints& side_number,
+                         const Ints& curved, const Reals& reference, const Reals& basis, double c0, double c1,
+                         Reals offset, Reals X, const Ints& cells, const Ints& curved_cells, double floor) {
     const py::ssize_t width = 2 * curved.size();
     require_size(corners.size(), 2 * corner_number.size(), "corners");
     require_size(ends.size(), 2 * side_number.size(), "ends");
@@ -44,13 +43,12 @@ py::ssize_t follow_sides(const Doubles& corners, const Indices& corner_number, c
     return invalid;
 }
 
-py::tuple locate_quadratic(const Doubles& X, const Indices& corners, const Indices& cells, const Doubles& points,
-                           bool close) {
+py::tuple locate_quadratic(const Reals& X, const Ints& corners, const Ints& cells, const Reals& points, bool close) {
     if (corners.shape(0) == 0) throw std::invalid_argument("there are no cells");
     require_size(cells.size(), 2 * corners.size(), "cells");
     restshape::QuadraticLocator locator(X.data(), corners.data(), cells.data(), corners.shape(0));
-    Indices found(points.shape(0));
-    Doubles values({points.shape(0), py::ssize_t{6}});
+    Ints found(points.shape(0));
+    Reals values({points.shape(0), py::ssize_t{6}});
     std::int32_t cell = -1, *to = found.mutable_data();
     for (py::ssize_t i = 0; i < points.shape(0); ++i)
         to[i] = cell = locator.locate(points.data() + 2 * i, values.mutable_data() + 6 * i, close ? cell : -1);

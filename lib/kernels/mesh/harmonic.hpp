@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "algebra/scalar_cholesky.hpp"
-#include "quiet_intrinsics.hpp"
 
 namespace restshape {
 

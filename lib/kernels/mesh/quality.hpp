@@ -7,8 +7,6 @@
 #include <cstdint>
 #include <limits>
 
-#include "quiet_intrinsics.hpp"
-
 namespace restshape {
 
 struct CellQuality {

@@ -10,6 +10,7 @@
 #include "fem/bounds.hpp"
 #include "recovery/estimate.hpp"
 #include "recovery/space_recovery.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -18,9 +19,7 @@ using Bytes = py::array_t<uint8_t, py::array::c_style>;
 
 namespace {
 
-void require(bool holds, const char* message) {
-    if (!holds) throw std::invalid_argument(message);
-}
+using restshape::require;
 
 void require_nodes(const Ints& cells, py::ssize_t count) {
     require(restshape::all_within(cells.data(), cells.size(), count), "cells name nodes that do not exist");

@@ -37,7 +37,7 @@ py::array_t<double> jacobian_bound(const Reals& X, const Ints& cells, const std:
     return out;
 }
 
-void recover(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {
+void recover_quadratic(const Reals& X, const Ints& cells, const Reals& stress, Reals out) {
     require_cells(X, cells);
     const py::ssize_t n = X.shape(0), ne = cells.shape(0);
     if (stress.size() != ne * restshape::TriRule3::points * 4 || out.ndim() != 2 || out.shape(0) != n ||
@@ -63,7 +63,7 @@ void bind_second_order(py::module_& m) {
           py::arg("subset") = py::none(),
           "Lower bounds (k,) of the Jacobian [m^2] of second-order triangles (ne, 6), of all or of those in subset: "
           "twice the area where sides are straight; a cell whose bound is positive is valid (Johnen et al. 2013).");
-    m.def("recover_quadratic", &recover, py::arg("X").noconvert(), py::arg("cells").noconvert(),
+    m.def("recover_quadratic", &recover_quadratic, py::arg("X").noconvert(), py::arg("cells").noconvert(),
           py::arg("stress").noconvert(), py::arg("out").noconvert(),
           "Nodal stresses out (n, 4) of second-order triangles, recovered from stresses (ne, 3, 4) at "
           "`recovery_points` by quadratic fits over patches (Zienkiewicz and Zhu 1992).");

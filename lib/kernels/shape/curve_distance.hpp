@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "quiet_intrinsics.hpp"
-
 namespace restshape {
 
 // Straight pieces, stored by coordinate so that one point meets several of them at once.
