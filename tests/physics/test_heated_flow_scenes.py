@@ -134,6 +134,14 @@ def test_values_can_change_during_an_edit(tmp_path):
     assert values[-1] == pytest.approx(values[-2], rel=1e-5)
 
 
+def test_a_fluid_that_nothing_moves_any_more_is_at_rest(tmp_path):
+    """What rounding leaves of an earlier flow is no flow, and no scale of residuals."""
+    script = write_script(tmp_path, set_value("effects.gravity.g", [0, 0]))
+    row = dict(list(make_replay(write_scene(tmp_path, TEXT), script).frames())[-1])
+    assert row["residual"] <= 1e-6
+    assert "rounding" not in row["note"]
+
+
 def test_a_new_reference_lifts_as_before(tmp_path):
     """A closed vessel flows by differences alone: with another reference it has another pressure."""
     row = solved(tmp_path, TEXT).row

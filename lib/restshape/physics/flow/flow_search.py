@@ -56,6 +56,9 @@ class FlowSearch:
         Raises:
             ReplayProblem: none is found.
         """
+        if self.problem.speed == 0.0:
+            # What is left of an earlier flow is rounding, beside which every residual is large.
+            guess = start = self.problem.start()
         outcome, x = self.near(guess, start)
         if not outcome.converged:
             outcome, x = self.thinned(outcome, self.problem.start())
