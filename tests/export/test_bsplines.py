@@ -38,6 +38,16 @@ def test_a_spline_edge_is_one_cubic_and_comes_back(ends, knots):
     np.testing.assert_allclose(inside, spline_weights(knots, ends, quarter) @ points, atol=1e-13)
 
 
+def test_no_export_and_import_adds_points():
+    """At "smooth" ends an edge goes through a point that is no knot of its polynomials."""
+    knots, ends = (0.0, 0.3, 0.6, 0.8, 1.0), ("smooth", "smooth")
+    points = np.random.default_rng(5).normal(size=(5, 2))
+    for _ in range(5):
+        curve = cubic_of(points, knots, ends)
+        ((points, knots, ends),) = edges_of_cubic(curve.t, curve.c)
+        assert len(points) == 5
+
+
 def drawn(path, controls, degree=3, closing=()) -> float:
     """The area [m^2] in a drawing in metres of a spline and lines, by ezdxf's Bézier pieces."""
     drawing = ezdxf.new("R2010", units=6)

@@ -338,6 +338,21 @@ def test_the_title_of_a_single_frame_is_within_the_picture(recording, tmp_path, 
 
 
 @pytest.mark.slow
+def test_the_words_of_the_colour_bar_are_within_the_picture(recording, tmp_path, monkeypatch):
+    """Tensions below 0 have the longest numbers beside the bar: a sign and two decimals."""
+    figures = []
+    monkeypatch.setattr("restshape.outputs.picture_files.write_figure", lambda figure, *_: figures.append(figure))
+    cloth = recording(0.0)
+    draw_drape_frames(cloth, np.arange(1), replace(drape_scenery(cloth, np.arange(1)), bottom=-0.3, top=1.9), tmp_path)
+    (figure,) = figures
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    bar = next(axes for axes in figure.axes if "tension" in axes.get_ylabel())
+    assert any(label.get_text() == "\N{MINUS SIGN}0.25" for label in bar.get_yticklabels())
+    assert bar.get_tightbbox(canvas.get_renderer()).x1 <= canvas.get_width_height()[0]
+
+
+@pytest.mark.slow
 def test_the_command_draws_cloth_in_space(recording, tmp_path, capsys):
     cloth = recording(0.0, -0.1, -0.2, rests=(1, 1, 0))
     out, data = tmp_path / "out", tmp_path / "report.json"

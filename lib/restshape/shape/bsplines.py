@@ -160,6 +160,7 @@ def _part(curve: BSpline, knots: Reals) -> SplineEdge:
     bend = np.abs(curve(knots, 2)).max(axis=1)
     ends = tuple("natural" if bend[at] <= NEGLIGIBLE * bend.max() else "smooth" for at in (0, -1))
     assert len(ends) == 2
+    knots = _own_knots(curve, knots)
     more: list[float] = []
     if ends[0] == "smooth":
         more.append(knots[0] + (knots[1] - knots[0]) / 3.0)
@@ -171,3 +172,15 @@ def _part(curve: BSpline, knots: Reals) -> SplineEdge:
     places = np.union1d(knots, more)
     own = (places - places[0]) / (places[-1] - places[0])
     return curve(places), tuple(own.tolist()), (ends[0], ends[1])
+
+
+def _own_knots(curve: BSpline, knots: Reals) -> Reals:
+    """Those of the knots at which the curve is not the same polynomial on both sides, and both ends.
+
+    Without this each export and import of a spline edge would add a point at each of its ends.
+    """
+    jumps = np.abs(np.diff(curve(0.5 * (knots[1:] + knots[:-1]), 3), axis=0)).max(axis=1)
+    # A jump moves the curve by about its product with the spans beside it, of which the shorter one counts twice.
+    short, long = np.sort(np.stack([np.diff(knots)[1:], np.diff(knots)[:-1]]), axis=0)
+    room = NEGLIGIBLE * np.ptp(curve.c, axis=0).max() / (short**2 * long)
+    return np.concatenate([knots[:1], knots[1:-1][jumps > room], knots[-1:]])

@@ -40,7 +40,7 @@ ACROSS = 3
 """Most frames side by side."""
 LEFT, RIGHT, BELOW, ABOVE = 0.25, 0.13, 0.17, 0.02
 """Room for numbers around the box, over its width in the picture."""
-BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 0.85, 0.45, 0.42, 0.5, 0.68, 0.3
+BAR, TITLE, CAPTION, UNDER, NUMBERS, BETWEEN = 1.05, 0.45, 0.42, 0.5, 0.68, 0.3
 """Room for the colour bar, above all, above and below each frame, and before and after the view from above [inch]."""
 EACH_X, EACH_Y = 0.42, 0.2
 """Least room for each number along the sides of the view from above [inch]."""
