@@ -138,6 +138,12 @@ def test_a_bad_line_is_reported_with_its_number(read, event, message):
     assert caught.value.where.startswith("s.jsonl: line 2")
 
 
+def test_a_list_is_not_called_too_short_because_an_entry_of_it_is_wrong(read):
+    with pytest.raises(UserError, match="is a mass, but a length is wanted") as caught:
+        read({"t": 0, "do": "press", "on": "a", "at": ["3 kg", "2 mm"]})
+    assert "entries" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("events", "line", "message"),
     [

@@ -87,7 +87,11 @@ AXES = {2: "two numbers [x, y]", 3: "three numbers [x, y, z]"}
 
 
 def whole_lists(found: Sequence[ErrorDetails]) -> list[ErrorDetails]:
-    """The findings, with one for each list that is too short, at the first place that it lacks, with its full count."""
+    """The findings, with one for each list that is too short, at the first place that it lacks, with its full count.
+
+    A list is not too short because pydantic leaves out the entries of it that are wrong.
+    """
+    found = [details for details in found if not _has_all_entries(details)]
     counts: dict[tuple[str | int, ...], int] = {}
     for details in found:
         if _lacks_an_entry(details):
@@ -100,6 +104,12 @@ def whole_lists(found: Sequence[ErrorDetails]) -> list[ErrorDetails]:
         elif count := counts.pop(tuple(details["loc"][:-1]), 0):
             reported.append({**details, "ctx": {"count": count}})
     return reported
+
+
+def _has_all_entries(details: ErrorDetails) -> bool:
+    """Whether a finding calls a list too short that has as many entries as are wanted."""
+    given = details["input"]
+    return details["type"] == "too_short" and isinstance(given, list) and len(given) >= details["ctx"]["min_length"]
 
 
 def _lacks_an_entry(details: ErrorDetails) -> bool:
