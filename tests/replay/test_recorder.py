@@ -1,5 +1,6 @@
 """The recorder's promises: nothing is lost, nothing is changed, mistakes are reported before the run."""
 
+import errno
 import os
 import resource
 import signal
@@ -16,6 +17,7 @@ from restshape.replay.recorder import Recorder
 from restshape.replay.recorder_start import begun
 from restshape.replay.recording import Recording
 from restshape.replay.rows import encode_text, row_dtype
+from restshape.replay.vtkhdf import NoRoom, VtkHdfWriter
 
 CELLS = np.array([[0, 1, 2]], dtype=np.int32)
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
@@ -220,6 +222,19 @@ def test_a_disk_full_before_the_first_frame_leaves_an_earlier_recording(earlier)
     with pytest.raises(UserError, match="the disk is full; the first 0 frames"):
         recorder.frame(0.0, np.zeros((300_000, 2)), {}, {}, {})
         recorder.close()
+    assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
+
+
+def test_a_disk_full_at_the_start_leaves_nothing_but_an_earlier_recording(earlier, monkeypatch):
+    """Of the first room that is reserved, before there are frames: 1 MB and more."""
+    path, data = earlier
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(NoRoom):
+        VtkHdfWriter(path, {}, row_dtype({}))
     assert path.read_bytes() == data and [p.name for p in path.parent.iterdir()] == [path.name]
 
 

@@ -110,7 +110,12 @@ class VtkHdfWriter:
         self._offsets: dict[str, Growing] = {}
         self._fields: dict[str, dict[str, Growing]] = {"PointData": {}, "CellData": {}}
         self._largest = {"PointData": 0, "CellData": 0}
-        self.commit()
+        try:
+            self.commit()
+        except OSError:
+            # The recorder process has no writer yet that it could tell to leave nothing.
+            self.abandon("disk full")
+            raise
 
     def _make_groups(self) -> None:
         root = self.file.create_group("VTKHDF")
