@@ -1,5 +1,7 @@
 """What is wrong in scenes of heat: `check` refuses it as `replay` does, with place and remedy."""
 
+import math
+
 import pytest
 from restshape_studies.stability.scenery import make_replay, rows_of, write_scene, write_script
 from thermal_scenes import COOLING, HEAD, SQUARE
@@ -180,3 +182,15 @@ def test_loads_where_the_temperature_is_fixed_are_warned_of(tmp_path, capsys):
     assert "loads.air changes no temperature at 'top', where a support fixes it" in capsys.readouterr().out
     assert main(["check", str(write_scene(tmp_path, plate_of_two(300, 300, AIR)))]) == 0
     assert "changes no temperature" not in capsys.readouterr().out
+
+
+def test_where_no_heat_flows_what_the_solver_leaves_is_no_temperature_to_relate_errors_to(tmp_path):
+    """Two layers whose outer side becomes insulated: all of it is as hot as the gas, to the tolerance."""
+    text = BODY.replace("conductivity = 2\n", "conductivity = 1.1\n") + AIR.replace("right", "left").replace(
+        "film = 5, ambient = 300", "film = 60, ambient = 1173.15"
+    )
+    text += '[material.outer]\nconductivity = 50\nregion = "outer"\n' + AIR.replace("loads.air", "loads.room")
+    text += '[shape.regions.outer]\npolygon = [[0.5, 0.2], [0.9, 0.2], [0.9, 0.8], [0.5, 0.8]]\n'
+    script = write_script(tmp_path, [{"t": 0.1, "do": "set", "key": "loads.room.convection.film", "value": 0}])
+    first, last = rows_of(make_replay(write_scene(tmp_path, text), script))
+    assert first["estimate"] > 0.0 and math.isnan(last["estimate"])

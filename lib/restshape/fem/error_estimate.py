@@ -13,8 +13,9 @@ from restshape import _kernels
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.space import Space
 
-ROUNDING = 1e-10
-"""Gradients below this share of the unknowns over the body's size are rounding: where supports only shift it."""
+ROUNDING = 1e-6
+"""Gradients below this share of the unknowns over the body's size are rounding, or what a solve to the usual tolerance
+leaves: where supports only shift a body, or all of it is as hot as the air."""
 
 NO_KINDS = np.empty(0, dtype=np.int32)
 
