@@ -179,6 +179,9 @@ SCRIPTS = [
     Case("time runs backwards", ("plate.jsonl: line 4", "time runs backwards"), script=('"t": 0.2', '"t": 0.05')),
     Case("header missing", ("plate.jsonl: line 1", "header is missing"), script=(HEADER, "")),
     Case("wrong version of script", ("plate.jsonl: line 1", "version 7"), script=('"version": 1', '"version": 7')),
+    Case("unit written out", ("'inches' is not a known unit", "did you mean 'in'?"), ('"100 mm"', '"4 inches"')),
+    Case("unknown scale", ("'degF' is not a known unit", "write degC"), ('"100 mm"', '"77 degF"')),
+    Case("one number for a vector", ("center", "all of its numbers", '[0, "5 cm"]'), ("[0.5, 0.5]", '"5 cm"')),
     Case("unknown unit of script", ("plate.jsonl: line 1: units", "furlong"), script=('"mm"', '"furlong"')),
     Case("wrong JSON type", ("plate.jsonl: line 3: to", "a list is wanted"), script=("[520, 500]", '"far"')),
     Case(

@@ -190,7 +190,7 @@ def test_where_no_heat_flows_what_the_solver_leaves_is_no_temperature_to_relate_
         "film = 5, ambient = 300", "film = 60, ambient = 1173.15"
     )
     text += '[material.outer]\nconductivity = 50\nregion = "outer"\n' + AIR.replace("loads.air", "loads.room")
-    text += '[shape.regions.outer]\npolygon = [[0.5, 0.2], [0.9, 0.2], [0.9, 0.8], [0.5, 0.8]]\n'
+    text += "[shape.regions.outer]\npolygon = [[0.5, 0.2], [0.9, 0.2], [0.9, 0.8], [0.5, 0.8]]\n"
     script = write_script(tmp_path, [{"t": 0.1, "do": "set", "key": "loads.room.convection.film", "value": 0}])
     first, last = rows_of(make_replay(write_scene(tmp_path, text), script))
     assert first["estimate"] > 0.0 and math.isnan(last["estimate"])

@@ -143,6 +143,11 @@ UNITS = PLAIN | {
     p + name: (scale * f, powers) for name, (f, powers) in PREFIXED.items() for p, scale in PREFIXES.items()
 }
 
+WORDS = {"m": "meter metre", "in": "inch inche", "ft": "foot feet", "s": "sec second", "min": "minute", "h": "hr hour"}
+WORDS |= {"g": "gram", "kg": "kilogram kilo", "N": "newton", "deg": "degree", "rad": "radian", "mm": "millimeter"}
+"""Units as people write them out, without an s at the end."""
+WRITTEN_OUT = {word: name for name, words in WORDS.items() for word in words.split()}
+
 UNKNOWN = "is not a known unit"
 KNOWN_UNITS = (
     f"use {', '.join([*PREFIXED, *PLAIN, 'degC'])}, or a prefix and one of {', '.join(PREFIXED)}, as in mm, kN or GPa"
@@ -271,6 +276,10 @@ def _unknown_unit(word: str, text: str) -> UnitError:
         return UnitError(f"{quoted(text.strip())} holds a scale of temperatures, which is no unit", "write K")
     word = word or text.strip()
     alike = [name for name in UNITS if name.lower() == word.lower() and name != word]
+    if written := WRITTEN_OUT.get(word.lower().removesuffix("s")):
+        alike = [written]
+    elif word == "degF":
+        return UnitError(f"{quoted(text.strip())} {UNKNOWN}", "write degC: (77 - 32)*5/9 = 25 degC")
     do = f"did you mean {' or '.join(map(repr, alike))}?" if alike else KNOWN_UNITS
     return UnitError(f"{quoted(text.strip())} {UNKNOWN}", do)
 

@@ -158,7 +158,10 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
             return f"a table of keys is wanted here, {shown}", do
         case "list_type" | "tuple_type":
             single = isinstance(given, str | int | float) and not isinstance(given, bool)
-            written = f"write it in brackets, as in [{json.dumps(given, ensure_ascii=False)}]" if single else ""
+            # A number alone is hardly ever all that a list of numbers wants.
+            whole = ("all of its numbers", "0, ") if _is_quantity(given) else ("it", "")
+            shown_in = f"[{whole[1]}{json.dumps(given, ensure_ascii=False)}]"
+            written = f"write {whole[0]} in brackets, as in {shown_in}" if single else ""
             if isinstance(given, dict):
                 written = "write a list in brackets in place of the table in braces"
             return f"a list is wanted here, {shown}", written
