@@ -310,7 +310,7 @@ def test_a_guess_is_the_nearest_point_in_energy():
 
 @pytest.mark.slow
 def test_projected_guesses_save_iterations(tmp_path):
-    scene, script = write_scene(tmp_path, plate(0.01)), write_script(tmp_path, EVENTS)
+    scene, script = write_scene(tmp_path, plate(0.014)), write_script(tmp_path, EVENTS)
     spent = []
     for guess in ("extrapolated", "projected"):
         rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], guess=guess))

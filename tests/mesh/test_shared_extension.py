@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from mesh_samples import SQUARE, polygon_outline
 from rank_threads import Ranks
 from test_moving import plate
 
@@ -17,8 +18,8 @@ def on_ranks(mesh, ranks, work):
     return Ranks(ranks).run(lambda comm: work(comm.tompi4py()))
 
 
-def a_mesh(ranks, size=0.12):
-    mesh = generate(plate(), MeshSpec(size=size), ranks)
+def a_mesh(ranks):
+    mesh = generate(plate(), MeshSpec(size=0.12), ranks)
     return mesh, BoundaryNodes(mesh).nodes
 
 
@@ -49,7 +50,9 @@ def test_shared_is_whole(monkeypatch, ranks, columns):
 def test_more_ranks_than_cells(monkeypatch):
     """Ranks that have no cells, and none that are free, take part."""
     monkeypatch.setattr(shared_extension, "LEAST_CELLS", 0)
-    mesh, nodes = a_mesh(2, 3.0)
+    mesh = generate(polygon_outline(SQUARE), MeshSpec(size=0.3), 2)
+    nodes = BoundaryNodes(mesh).nodes
+    assert len(mesh.X) - len(nodes) > 3
     ranks = len(mesh.cells) + 2
     mesh.node_offsets = np.minimum(np.arange(ranks + 1), len(mesh.X)).astype(np.int32)
     values = mesh.X[nodes] ** 2

@@ -135,38 +135,38 @@ def test_a_grid_of_the_cache_is_the_one_that_was_made(tmp_path, monkeypatch):
 
 def test_the_cache_keeps_what_was_of_use_last(tmp_path, monkeypatch):
     names = [write(tmp_path / f"{k}.ply", ball(4, 0.2 + 0.1 * k)) for k in range(3)]
-    distance_of_file(names[0], spacing=0.03)
+    distance_of_file(names[0], spacing=0.06)
     (first,) = cache_folder().iterdir()
     os.utime(first, (1.0, 1.0))
-    distance_of_file(names[1], spacing=0.03)
+    distance_of_file(names[1], spacing=0.06)
     surface_distance._loaded.cache_clear()
     # It is of use again, before a third one takes the room of one of both.
-    distance_of_file(names[0], spacing=0.03)
+    distance_of_file(names[0], spacing=0.06)
     assert first.stat().st_mtime > 1.0
     (second,) = set(cache_folder().iterdir()) - {first}
     os.utime(second, (2.0, 2.0))
     monkeypatch.setattr(surface_distance, "KEPT", 2.5 * max(first.stat().st_size, second.stat().st_size))
     # Another process takes one out between its being listed and looked at, which keeps none of the others.
     (gone := cache_folder() / "gone.npz").symlink_to("nowhere")
-    distance_of_file(names[2], spacing=0.03)
+    distance_of_file(names[2], spacing=0.06)
     gone.unlink()
     assert first.exists() and not second.exists() and len(list(cache_folder().iterdir())) == 2
 
 
 def test_another_file_of_the_name_has_another_grid(tmp_path):
     path = write(tmp_path / "ball.ply", ball(6, 0.2))
-    first = distance_of_file(path, spacing=0.02).grid.values(np.zeros((1, 3)))
+    first = distance_of_file(path, spacing=0.05).grid.values(np.zeros((1, 3)))
     write(path, ball(6, 0.4))
-    assert distance_of_file(path, spacing=0.02).grid.values(np.zeros((1, 3)))[0] < first[0] - 0.15
+    assert distance_of_file(path, spacing=0.05).grid.values(np.zeros((1, 3)))[0] < first[0] - 0.15
 
 
 def test_a_torn_file_of_the_cache_is_made_again(tmp_path):
     path = write(tmp_path / "ball.ply", ball(6, 0.2))
-    distance_of_file(path, spacing=0.02)
+    distance_of_file(path, spacing=0.04)
     (kept,) = cache_folder().iterdir()
     kept.write_bytes(kept.read_bytes()[:2000])
     surface_distance._loaded.cache_clear()
-    assert distance_of_file(path, spacing=0.02).facts.spacing == 0.02
+    assert distance_of_file(path, spacing=0.04).facts.spacing == 0.04
 
 
 @pytest.mark.parametrize("half", [0.005, 50.0])

@@ -20,7 +20,7 @@ def grid_of(surface, spacing):
 
 @pytest.fixture(scope="module")
 def round_grid():
-    return grid_of(ball(20, 0.2), 6e-3)
+    return grid_of(ball(20, 0.2), 9e-3)
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,6 @@
-// The nearest place of a triangle mesh (CGAL's tree of boxes), and its generalised winding number.
+// The nearest place of a triangle mesh, its generalised winding number, and where rays meet it (CGAL's tree of boxes).
 //
+// The nearest place of one triangle: Ericson, Real-time collision detection (2005), 5.1.5.
 // Far triangles count together as one dipole: Barill, Dickson, Schmidt, Levin, Jacobson, Fast winding numbers for soups
 // and clouds, ACM Transactions on Graphics 37 (2018). Near ones count by the solid angle of van Oosterom and Strackee.
 #pragma once
@@ -15,6 +16,8 @@
 #include <limits>
 #include <numeric>
 #include <vector>
+
+#include "cloth/nearest_place.hpp"
 
 namespace restshape {
 
@@ -45,8 +48,9 @@ class SurfaceSearch {
 
     // The nearest place of the surface, not farther than a place of it that is known.
     void nearest(const double* y, double* hint) const {
-        const Point found = tree_.closest_point(Point(y[0], y[1], y[2]), Point(hint[0], hint[1], hint[2]));
-        for (int a = 0; a < 3; ++a) hint[a] = found[a];
+        double best = 0.0;
+        for (int a = 0; a < 3; ++a) best += (y[a] - hint[a]) * (y[a] - hint[a]);
+        if (!clusters_.empty()) nearest(clusters_[0], y, hint, best);
     }
     void any_place(double* hint) const {
         for (int a = 0; a < 3; ++a) hint[a] = faces_.front()[0][a];
@@ -71,6 +75,7 @@ class SurfaceSearch {
     struct Cluster {
         double centre[3], normal[3], radius;
         std::size_t first, last, left, right;  // without parts left is 0
+        double low[3], high[3];                // box of its faces
     };
 
     std::size_t split(std::size_t first, std::size_t last) {
@@ -110,7 +115,7 @@ class SurfaceSearch {
     }
 
     Cluster dipole(std::size_t first, std::size_t last) const {
-        Cluster made{{0, 0, 0}, {0, 0, 0}, 0.0, first, last, 0, 0};
+        Cluster made{{0, 0, 0}, {0, 0, 0}, 0.0, first, last, 0, 0, {0, 0, 0}, {0, 0, 0}};
         double all = 0.0;
         for (std::size_t k = first; k < last; ++k) {
             const auto& face = faces_[order_[k]];
@@ -130,7 +135,46 @@ class SurfaceSearch {
                 made.radius = std::max(made.radius, square);
             }
         made.radius = std::sqrt(made.radius);
+        for (int a = 0; a < 3; ++a) {
+            made.low[a] = std::numeric_limits<double>::infinity(), made.high[a] = -made.low[a];
+            for (std::size_t k = first; k < last; ++k)
+                for (int i = 0; i < 3; ++i) {
+                    made.low[a] = std::min(made.low[a], faces_[order_[k]][i][a]);
+                    made.high[a] = std::max(made.high[a], faces_[order_[k]][i][a]);
+                }
+        }
         return made;
+    }
+
+    // The square of the distance of a box.
+    static double before(const Cluster& cluster, const double* y) {
+        double square = 0.0;
+        for (int a = 0; a < 3; ++a) {
+            const double way = std::max(std::max(cluster.low[a] - y[a], y[a] - cluster.high[a]), 0.0);
+            square += way * way;
+        }
+        return square;
+    }
+
+    // Improves a place, whose squared distance is `best`; of two parts the nearer one is first.
+    void nearest(const Cluster& cluster, const double* y, double* place, double& best) const {
+        if (!cluster.left) {
+            for (std::size_t k = cluster.first; k < cluster.last; ++k) {
+                const auto& face = faces_[order_[k]];
+                const double a[3] = {face[0][0], face[0][1], face[0][2]}, b[3] = {face[1][0], face[1][1], face[1][2]};
+                const double c[3] = {face[2][0], face[2][1], face[2][2]};
+                double at[3];
+                nearest_place(a, b, c, y, at);
+                const double way[3] = {y[0] - at[0], y[1] - at[1], y[2] - at[2]}, square = inner(way, way);
+                if (square < best) best = square, std::copy(at, at + 3, place);
+            }
+            return;
+        }
+        const Cluster *near = &clusters_[cluster.left], *far = &clusters_[cluster.right];
+        double least = before(*near, y), most = before(*far, y);
+        if (most < least) std::swap(near, far), std::swap(least, most);
+        if (least < best) nearest(*near, y, place, best);
+        if (most < best) nearest(*far, y, place, best);
     }
 
     // Solid angles, which are 4 pi inside.
