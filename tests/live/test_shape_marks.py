@@ -39,12 +39,24 @@ def test_supports_are_lines_that_stay_and_loads_are_arrows_with_their_vectors(br
     scene = bracket.scene
     supports = [one for one in marks_of(bracket, Lines) if one.meaning == "support"]
     assert [one.name for one in supports] == [f"support {name}" for name in scene.supports]
-    assert not supports[0].moved.any() and supports[0].points.shape == supports[0].moved.shape
+    assert not bracket.frame.displacement[supports[0].nodes].any() and len(supports[0].nodes) > 2
     (name, load), *_ = scene.loads.items()
     (arrows,) = (one for one in marks_of(bracket, Arrows) if one.name == f"load {name}")
     value = getattr(load, load.kind)
     assert arrows.unit == {"force": "N", "traction": "Pa"}[load.kind]
     assert np.allclose(arrows.vectors, np.array(value, dtype=float))
+    ends = bracket.frame.mesh.points[arrows.nodes]
+    assert arrows.nodes.shape == (len(arrows.vectors), 2) and (ends[:, 0] != ends[:, 1]).any(axis=1).all()
+
+
+def test_marks_of_supports_and_loads_stay_the_same_while_a_hole_is_dragged(bracket):
+    """They lie at nodes, and the page has them follow the shape: nothing of them travels."""
+    named = {one.name: one for one in marks_of(bracket, Lines | Arrows) if one.name.startswith(("support", "load"))}
+    with bracket.press("window", at=[0.1, 0.06]) as hand:
+        assert hand.to(0.1005, 0.0605).row["level"] == 1
+        later = [one for one in marks_of(bracket, Lines | Arrows) if one.name in named]
+        assert len(named) >= 2 and all(named[one.name] is one for one in later)
+        hand.to(0.1, 0.06)
 
 
 def test_an_extreme_is_said_where_the_field_has_it(bracket):

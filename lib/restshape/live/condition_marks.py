@@ -10,7 +10,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.live.shown_marks import Arrows, Lines, Mark
+from restshape.live.shown_marks import NOWHERE, Arrows, Lines, Mark
 from restshape.outputs.si_numbers import si
 from restshape.report.entity_outlines import ALONG, Place
 from restshape.report.load_vectors import accelerations, in_plane, load_vectors
@@ -66,6 +66,10 @@ class ActsOn:
 
     def mark(self, seen: SeenFrame) -> Mark:
         """The lines of a frame: the last ones where nothing has moved."""
+        if seen.all_nodes_drawn:
+            if self._last.nodes is None:
+                self._last = Lines(self.name, NOWHERE, self.starts, "support", nodes=self.nodes[:, None])
+            return self._last
         at, moved = seen.places(self.nodes), seen.moved(self.nodes)
         if not (_equal(at, self._last.points) and _equal(moved, self._last.moved)):
             self._last = Lines(self.name, at, self.starts, "support", moved)
@@ -90,10 +94,14 @@ class LoadArrows:
 
     def mark(self, seen: SeenFrame) -> Mark:
         """The arrows of a frame: the last ones where nothing has moved."""
-        both, at = seen.moved(self.ends), seen.places(self.ends)
+        at = seen.places(self.ends)
         if not _equal(at, self._at):
             self._at, self._both, self._last = at, None, self._made(seen.scene, at)
-        if not _equal(both, self._both):
+            if seen.all_nodes_drawn:
+                self._last = self._last.at_nodes(self.ends)
+        if seen.all_nodes_drawn:
+            return self._last
+        if not _equal(both := seen.moved(self.ends), self._both):
             self._both = both
             self._last = self._last.gone(None if both is None else 0.5 * (both[:, 0] + both[:, 1]))
         return self._last

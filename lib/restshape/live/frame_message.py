@@ -44,14 +44,24 @@ class FrameEncoder:
         said += [{"name": name, "gone": True, "arrays": {}} for name in self._parts if name not in names]
         self._parts = {part.name: part for part in parts}
         whole = {**header, "parts": said}
-        known = self._marks
-        # Where nothing is known of the other side, it may have marks although there are none.
-        if known is None or len(marks) != len(known) or any(one is not other for one, other in zip(marks, known)):
-            whole["marks"] = [placed(mark, body) for mark in marks]
-            self._marks = [*marks]
+        if (changed := self._changed(marks, body)) is not None:
+            whole["marks"] = changed
         text = json_bytes(whole)
         text += b" " * (-(LENGTH.size + len(text)) % ALIGNED)
         return [LENGTH.pack(len(text)), text, body.packed()]
+
+    def _changed(self, marks: Sequence[Mark], body: MessageBody) -> list[dict[str, object] | None] | None:
+        """The marks, None in the places of those that stay there; None for all where all of them stay."""
+        known = self._marks
+        self._marks = [*marks]
+        if known is None:
+            # Where nothing is known of the other side, it may have marks although there are none.
+            return [placed(mark, body) for mark in marks]
+        stay = [one is other for one, other in zip(marks, known)]
+        if len(marks) == len(known) and all(stay):
+            return None
+        stay += [False] * (len(marks) - len(stay))
+        return [None if stays else placed(mark, body) for mark, stays in zip(marks, stay)]
 
     def _part(self, part: PicturePart, body: MessageBody) -> dict[str, object]:
         """What has changed of a part, whose arrays that are no more are empty; nothing where all is as before."""

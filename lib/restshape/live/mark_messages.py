@@ -22,14 +22,13 @@ def placed(mark: object, body: MessageBody) -> dict[str, object]:
 
 def _lines(mark: Lines, body: MessageBody) -> dict[str, object]:
     said = {"kind": "lines", "name": mark.name, "meaning": mark.meaning, "words": list(mark.words)}
-    lines = {"starts": list(map(int, mark.starts)), "points": body.add(mark.points)}
-    return said | lines | _moved(mark, body)
+    return said | {"starts": list(map(int, mark.starts))} | _places(mark, body)
 
 
 def _arrows(mark: Arrows, body: MessageBody) -> dict[str, object]:
     said = {"kind": "arrows", "name": mark.name, "meaning": mark.meaning, "unit": mark.unit, "words": list(mark.words)}
-    arrays = {"points": body.add(mark.points), "vectors": body.add(mark.vectors)}
-    return said | arrays | {"tips": [bool(one) for one in mark.tips]} | _moved(mark, body)
+    vectors = {"vectors": body.add(mark.vectors), "tips": [bool(one) for one in mark.tips]}
+    return said | vectors | _places(mark, body)
 
 
 def _words(mark: Words, body: MessageBody) -> dict[str, object]:
@@ -56,9 +55,12 @@ def _tone(mark: Tone, body: MessageBody) -> dict[str, object]:
     return {"kind": "tone", "name": mark.name, **place, **partials}
 
 
-def _moved(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
-    """Where the displacements of its points are, where it has any."""
-    return {} if mark.moved is None else {"moved": body.add(mark.moved)}
+def _places(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
+    """Where its points are, and their displacements where it has any; or the nodes that say both."""
+    if mark.nodes is not None:
+        return {"nodes": body.add(mark.nodes)}
+    points = {"points": body.add(mark.points)}
+    return points if mark.moved is None else points | {"moved": body.add(mark.moved)}
 
 
 def _numbers(values: object) -> list[float]:

@@ -63,6 +63,8 @@ def _left(mark: Mark) -> bool:
     """Whether a mark has points, and leaves it to the shape how they move."""
     if not isinstance(mark, ALONG + AT_A_PLACE) or mark.moved is not None:
         return False
+    if isinstance(mark, ALONG) and mark.nodes is not None:
+        return False
     return isinstance(mark, Tone) or mark.meaning not in STAYS
 
 

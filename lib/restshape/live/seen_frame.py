@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
     from restshape.scene.model import Scene
 
+IN_PLANE = (3, 6)
+"""Nodes of the cells of meshes in the plane."""
+
 
 @dataclass(frozen=True, eq=False)
 class SeenFrame:
@@ -39,6 +42,11 @@ class SeenFrame:
         # Shapes that have marks by their nodes lie in the plane: other sessions have marks of their own.
         space = cast("PlaneSpace", replay.solver.space)
         return cls(frame, replay.session.scene, space, frame.fields.get("displacement"), replay.solver.known)
+
+    @property
+    def all_nodes_drawn(self) -> bool:
+        """Whether the picture has all nodes of the mesh, as that of triangles; of bodies in space it has the skin's."""
+        return self.space.cells.shape[1] in IN_PLANE
 
     def moved(self, nodes: Indices) -> Reals | None:
         """The displacements [m] of nodes; None where there are none to be drawn."""

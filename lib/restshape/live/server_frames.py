@@ -38,6 +38,15 @@ class KeptPart:
     arrays: dict[str, KeptArray] = field(default_factory=dict)
 
 
+@dataclass
+class KeptMark:
+    """A mark, and the arrays of the frame that it came with."""
+
+    said: Table
+    content: memoryview
+    changed: int
+
+
 class KeptFrames:
     """The state that all frames so far have led to.
 
@@ -51,7 +60,8 @@ class KeptFrames:
         self._whole = False
         self._keys: Table = {}
         self._parts: dict[str, KeptPart] = {}
-        self._marks: tuple[list[Any], memoryview, int] = ([], memoryview(b""), 0)
+        self._marks: list[KeptMark] = []
+        self._marks_changed = 0
         self._begun_again = False
 
     def says(self, key: str) -> bool:
@@ -71,10 +81,9 @@ class KeptFrames:
         header, content = parsed(message)
         known = self._parts
         came = [taken_part(part, content, known.get(part["name"]), self.count + 1) for part in header.pop("parts")]
-        if "marks" in header:
-            self._marks = header.pop("marks"), content, self.count + 1
-        elif self._begun_again:
-            self._marks = [], content, self.count + 1
+        if "marks" in header or self._begun_again:
+            self._marks = taken_marks(header.pop("marks", []), content, self._marks, self.count + 1)
+            self._marks_changed = self.count + 1
         self.count += 1
         self._keys, self._last, self._whole = header, message, not self._begun_again
         if self._begun_again:
@@ -98,9 +107,10 @@ class KeptFrames:
             arrays = {name: places.add(one.place, one.content) for name, one in changed.items()}
             parts.append(part.keys | {"arrays": arrays})
         header = self._keys | {"parts": parts}
-        marks, content, changed_at = self._marks
-        if changed_at > seen:
-            header["marks"] = [moved(mark, content, places) for mark in marks]
+        if self._marks_changed > seen:
+            header["marks"] = [
+                moved(one.said, one.content, places) if one.changed > seen else None for one in self._marks
+            ]
         return joined(header, pieces)
 
 
@@ -152,6 +162,17 @@ def taken_part(part: Table, content: memoryview, before: KeptPart | None, count:
     arrays = dict(before.arrays) if before and not part.get("gone") and not before.keys.get("gone") else {}
     arrays |= {name: KeptArray(place, array_of(content, place), count) for name, place in came.items()}
     return KeptPart({key: value for key, value in part.items() if key != "arrays"}, count, arrays)
+
+
+def taken_marks(came: list[Any], content: memoryview, before: list[KeptMark], count: int) -> list[KeptMark]:
+    """The marks of a frame: those that came with it, and of before those in whose places None came.
+
+    Raises:
+        BadFrame: there was none in such a place.
+    """
+    if any(one is None for one in came[len(before) :]):
+        raise BadFrame("a mark stays that there was not")
+    return [before[place] if one is None else KeptMark(one, content, count) for place, one in enumerate(came)]
 
 
 def gone_keys(keys: Table) -> Table:

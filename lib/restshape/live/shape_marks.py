@@ -12,7 +12,7 @@ from restshape.live.extreme_marks import ExtremeMarks
 from restshape.live.kept_marks import kept, of_answers
 from restshape.live.recorded_marks import singular_marks
 from restshape.live.seen_frame import SeenFrame
-from restshape.live.shown_marks import Lines, Mark
+from restshape.live.shown_marks import NOWHERE, Lines, Mark
 from restshape.replay.recorded_places import SINGULAR_PLACES
 from restshape.report.goal_curves import goals_in
 
@@ -41,6 +41,7 @@ class ShapeMarks:
         self._places: tuple[list[str], Lines | None] = ([], None)
         self._at: tuple[object, ...] = ()
         self._nodes: Indices | None = None
+        self._drawn = Lines("", NOWHERE)
         self._goals: tuple[Scene | None, list[Mark]] = (None, [])
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
@@ -66,7 +67,12 @@ class ShapeMarks:
         at = mark, seen.space, seen.space.topology
         if at != self._at:
             self._at, self._nodes = at, _nodes_at(mark.points, seen.space.X)
-        moved = None if self._nodes is None else seen.moved(self._nodes)
+            self._drawn = mark
+            if self._nodes is not None and seen.all_nodes_drawn:
+                self._drawn = mark.at_nodes(self._nodes[:, None])
+        if self._nodes is None or self._drawn.nodes is not None:
+            return [self._drawn]
+        moved = seen.moved(self._nodes)
         return [mark if moved is None else mark.gone(moved)]
 
 

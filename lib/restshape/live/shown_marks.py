@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from restshape.arrays import Reals
+import numpy as np
+
+from restshape.arrays import Indices, Reals
 
 Meaning = Literal["inside", "outside", "force", "support", "load", "goal", "node", "guide", "limit", "uncertain"]
 """Which colour of the page's style a mark has: inside or outside a valid range, a nodal line, a violated limit, ..."""
+NOWHERE: Reals = np.empty((0, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,12 +21,13 @@ class Lines:
 
     Args:
         name: what they are, for the legend; marks of one name replace each other from frame to frame.
-        points: (m, d) [m] in the shape as it lies in the frame.
+        points: (m, d) [m] in the shape as it lies in the frame; none where `nodes` says where they are.
         starts: index of the first point of each line; one that is alone in its line is drawn as a dot.
         meaning: which colour they have.
         moved: (m, d) [m] displacements of the points; None: those of the shape there, and none of goals.
         words: of each line, to be read beside it; empty: of none.
         mode: number of the mode that is drawn where they are shown; 0: whatever is drawn.
+        nodes: (m, k) of the mesh, in whose middle each point is, at rest and deformed: see `at_nodes`; None: of none.
     """
 
     name: str
@@ -33,10 +37,15 @@ class Lines:
     moved: Reals | None = None
     words: Sequence[str] = ()
     mode: int = 0
+    nodes: Indices | None = None
 
     def gone(self, moved: Reals | None) -> Lines:
         """The same lines with other displacements."""
-        return Lines(self.name, self.points, self.starts, self.meaning, moved, self.words, self.mode)
+        return replace(self, moved=moved)
+
+    def at_nodes(self, nodes: Indices) -> Lines:
+        """The same lines at nodes (m, k) of the mesh: they travel once, and the page has them follow the shape."""
+        return replace(self, points=NOWHERE, moved=None, nodes=nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,13 +54,14 @@ class Arrows:
 
     Args:
         name: what they are, for the legend.
-        points: (m, d) [m] where they are.
+        points: (m, d) [m] where they are; none where `nodes` says that.
         vectors: (m, d) in `unit`.
         unit: SI.
         meaning: which colour they have.
         words: of each arrow; empty: of none.
         moved: (m, d) [m] displacements of the points; None: those of the shape there, and none of goals.
         tips: of each arrow, whether it ends at its point, as one that pushes does; empty: all of them begin there.
+        nodes: as of `Lines`.
     """
 
     name: str
@@ -62,10 +72,15 @@ class Arrows:
     words: Sequence[str] = ()
     moved: Reals | None = None
     tips: Sequence[bool] = ()
+    nodes: Indices | None = None
 
     def gone(self, moved: Reals | None) -> Arrows:
         """The same arrows with other displacements."""
-        return Arrows(self.name, self.points, self.vectors, self.unit, self.meaning, self.words, moved, self.tips)
+        return replace(self, moved=moved)
+
+    def at_nodes(self, nodes: Indices) -> Arrows:
+        """The same arrows at nodes (m, k) of the mesh; as of `Lines`."""
+        return replace(self, points=NOWHERE, moved=None, nodes=nodes)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Keys of the scenes of an application, each of which has one meaning; those of another may have another."""
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import NoReturn
 
 from restshape.application import Application, as_scenes_see
@@ -18,13 +19,19 @@ def refuse_clashes_of(app: Application) -> None:
         UserError: two of its physics give one key different meanings, or one of them has a key of all scenes.
     """
     for seen in app.as_seen:
-        refuse_clashes(seen.physics)
+        _refuse_clashes_once(tuple(seen.physics))
         _refuse_clashes_within(seen)
 
 
 def installed_physics(applications: Iterable[Application]) -> list[Physics]:
     """The physics of applications, each once."""
     return list(dict.fromkeys(one for app in as_scenes_see(applications) for one in app.physics))
+
+
+@cache
+def _refuse_clashes_once(physics: tuple[Physics, ...]) -> None:
+    """Makes sure of it once: edits make scenes anew many times a second."""
+    refuse_clashes(physics)
 
 
 def refuse_clashes(physics: Iterable[Physics]) -> None:

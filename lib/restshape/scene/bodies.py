@@ -8,7 +8,7 @@ from math import dist
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
-from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema, model_validator
+from pydantic import Field, PlainValidator, PrivateAttr, ValidationInfo, WithJsonSchema, model_validator
 
 from restshape.errors import UserError
 from restshape.scene.body_sizes import Sizes
@@ -229,11 +229,13 @@ class Body(Strict):
     mesh: MeshBody | None = None
     mannequin: MannequinBody | None = None
     friction: Ratio = 0.0
+    # Frames of drags ask for it a hundred times.
+    _kind: str = PrivateAttr("")
 
     @property
     def kind(self) -> str:
         """Which of these kinds this body is."""
-        return only_one(self, self.kinds)
+        return self._kind
 
     @property
     def form(self) -> Forms:
@@ -247,7 +249,7 @@ class Body(Strict):
 
     @model_validator(mode="after")
     def _is_one_kind(self) -> Self:
-        only_one(self, self.kinds)
+        self._kind = only_one(self, self.kinds)
         return self
 
     def evaluated(self, parameters: dict[str, float]) -> Self:

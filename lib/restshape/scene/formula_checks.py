@@ -66,18 +66,40 @@ def _refuse_impossible(
         raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
 
 
+Found = list[tuple[tuple[str, ...], Expression]]
 PLAIN = frozenset({str, int, float, bool, type(None)})
 """Types of values in which there is no formula: most are of these, and scenes are looked through with each edit."""
 
 
-def formulas(value: object, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
-    """All formulas of a model, each with its key."""
+MOST_TABLES = 256
+"""Tables of which it is known at a time which formulas they hold."""
+_KNOWN: dict[tuple[int, tuple[str, ...]], tuple[object, Found]] = {}
+"""Formulas by the identity of a table, which stays as long as it is here, and its key."""
+
+
+def formulas(model: BaseModel, key: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Expression]]:
+    """All formulas of a model, each with its key; tables that were looked through before are not again."""
+    for name, table in _within(model):
+        if type(table) not in PLAIN:
+            yield from _formulas_of_table(table, (*key, name))
+
+
+def _formulas_of_table(table: object, key: tuple[str, ...]) -> Found:
+    known = _KNOWN.pop((id(table), key), None)
+    # What is found again is among the last ones to be forgotten.
+    _KNOWN[id(table), key] = known = known or (table, [*_formulas_in(table, key)])
+    if len(_KNOWN) > MOST_TABLES:
+        del _KNOWN[next(iter(_KNOWN))]
+    return known[1]
+
+
+def _formulas_in(value: object, key: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], Expression]]:
     if isinstance(value, Expression):
         yield key, value
         return
     for name, one in _within(value):
         if type(one) not in PLAIN:
-            yield from formulas(one, (*key, name))
+            yield from _formulas_in(one, (*key, name))
 
 
 def _within(value: object) -> Iterator[tuple[str, object]]:

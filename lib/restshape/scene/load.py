@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from restshape import bounds
 from restshape.application import Application, application, application_of
 from restshape.errors import UserError
+from restshape.scene.changed_table import with_changed_table
 from restshape.scene.checks import check_scene
 from restshape.scene.darts import with_darts
 from restshape.scene.foreign import check_keys
@@ -158,7 +159,7 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     parts = split_key(key)
     raw = branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}", adds=isinstance(value, dict))
-    revised = _scene(raw, scene._source.overriding(parts))
+    revised = _scene(raw, scene._source.overriding(parts), scene)
     # Formulas elsewhere may depend on a parameter; panels and darts make the shape, and darts seams.
     every = parts[0] == "parameters" or parts[0] in revised.tables.values()
     others = [name for name in type(scene).model_fields if name != parts[0]]
@@ -213,8 +214,8 @@ def _check_format(raw: Table, path: Path) -> None:
         raise UserError(f"the scene has {found}", f"{path.name}: version", f"this program reads version = {VERSION}")
 
 
-def _scene(raw: Table, source: Source) -> Scene:
-    """The validated scene of plain tables."""
+def _scene(raw: Table, source: Source, before: Scene | None = None) -> Scene:
+    """The validated scene of plain tables; of those that are the very tables of a scene before some work is spared."""
     # Which tables there may be is known from the application, where the scene names one.
     named = raw.get("app")
     app = application(named, f"{source.path.name}: app").for_scene(raw) if isinstance(named, str) else None
@@ -223,19 +224,22 @@ def _scene(raw: Table, source: Source) -> Scene:
     kind = scene_type(tuple(app.physics)) if app else Scene
     parameters = read_parameters(raw, source)
     known = {"parameters": parameters, "folder": source.path.parent}
-    try:
-        scene = kind.model_validate(raw, context=known)
-    except ValidationError as error:
-        raise user_error(error, source, kind) from error
+    read = with_changed_table(before, raw, kind, known) if before else None
+    if read is None:
+        try:
+            read = kind.model_validate(raw, context=known)
+        except ValidationError as error:
+            raise user_error(error, source, kind) from error
     assert app, "a scene without an application is not valid"
     try:
-        scene = with_darts(with_panels(scene))
+        scene = with_darts(with_panels(read))
     except UserError as error:
         raise source.error(split_key(error.where), error.what, error.do) from error
-    effects = read_effects(scene, app, parameters, source)
+    stay = before is not None and all(raw.get(key) is before.raw.get(key) for key in ("parameters", "effects"))
+    effects = before.effects if before and stay else read_effects(scene, app, parameters, source)
     scene = scene.model_copy(update={"effects": effects})
     check_scene(scene, app, source, parameters)
-    scene._source, scene._raw = source, raw
+    scene._source, scene._raw, scene._as_read = source, raw, read
     return _decided(scene, app)
 
 

@@ -427,6 +427,12 @@ class Scene(Strict):
 
     _source: Source = PrivateAttr(default_factory=lambda: Source(Path("scene.toml")))
     _raw: Table = PrivateAttr(default_factory=dict)
+    _as_read: Self | None = PrivateAttr(None)
+
+    @property
+    def as_read(self) -> Self | None:
+        """What validation has made of `raw`, before panels, darts, effects and the plan made the rest of it."""
+        return self._as_read
 
     @property
     def path(self) -> Path:

@@ -3,6 +3,7 @@
 import math
 import re
 import sys
+from functools import lru_cache
 
 from restshape import bounds
 from restshape.errors import UserError, ValueProblem, quoted
@@ -217,6 +218,7 @@ def _subtracts(unit: str) -> bool:
     return apart or (named and not all(word in UNITS for word in re.findall(r"[A-Za-zµμ°%]+", unit)))
 
 
+@lru_cache(maxsize=1024)
 def unit(text: str) -> tuple[float, Powers]:
     """The factor to SI of a unit such as ``kg/m^3`` or ``W/(m K)``, and its powers of the base units.
 

@@ -5,6 +5,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
 import { errorOfAnswer } from "../../../lib/restshape/live/page/src/panels/answer";
+import { byKind, taken } from "../../../lib/restshape/live/page/src/panels/decoded_marks";
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { hasEarlierErrors } from "../../../lib/restshape/live/page/src/panels/frame_values";
 import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
@@ -14,9 +15,9 @@ import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../l
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { distanceText, errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
-import type { DrawnMark } from "../../../lib/restshape/live/page/src/panels/stage";
+import { MarkGroup, type DrawnMark, type Stage } from "../../../lib/restshape/live/page/src/panels/stage";
 import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
-import type { FrameMessage } from "../../../lib/restshape/live/page/src/protocol";
+import type { FrameMessage, MarkMessage } from "../../../lib/restshape/live/page/src/protocol";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
 import { pointText, TypedError, valueOf } from "../../../lib/restshape/live/page/src/panels/typed_values";
 
@@ -211,4 +212,30 @@ test("names of upright lines do not cover each other", () => {
 test("how a quantity falls is said beside its arrow", () => {
   assert.equal(fallText("peak_stress", 2e9, "Pa", 2e8), "peak_stress falls by 2.00 MPa a mm (1.0 %)");
   assert.ok(fallsAtAll(2e9, 2e8) && !fallsAtAll(1e-3, 2e8) && !fallsAtAll(NaN, 1));
+});
+
+test("marks at nodes of the shape lie in their middles, in each frame of it", () => {
+  const set: { name: string; points: number[]; moved: number[] | null }[] = [];
+  const shape = { points: Float32Array.of(0, 0, 0, 2, 0, 0, 2, 4, 0), shifts: Float32Array.of(0, 0, 0, 0, 0, 1, 0, 2, 1) };
+  const nothing = (): void => undefined;
+  const stage: Stage = {
+    pick: () => Promise.resolve(null), where: () => null, shape: () => shape, setArrows: nothing, setWords: nothing,
+    setLines: (name, lines) => { if (lines) set.push({ name, points: [...lines.points], moved: lines.moved && [...lines.moved] }); },
+  };
+  const arrays = { nodes: Uint32Array.of(0, 1, 1, 2) };
+  const line: MarkMessage = { kind: "lines", name: "support", meaning: "support", starts: [0], words: [], nodes: { at: 0, type: "u4", shape: [2, 2] } };
+  const read = (): Uint32Array => arrays.nodes;
+  const first = taken([line], read, []);
+  const group = new MarkGroup(stage, "marks");
+  group.draw(byKind(first).drawn);
+  assert.deepEqual(set.at(-1), { name: "marks: support", points: [1, 0, 0, 2, 2, 0], moved: [0, 0, 0.5, 0, 1, 1] });
+  shape.points[0] = 1;
+  group.follow();
+  assert.deepEqual(set.at(-1)?.points, [1.5, 0, 0, 2, 2, 0]);
+  // A mark that stays is not said again.
+  const words: MarkMessage = { kind: "words", text: "2 N", at: null, meaning: "guide" };
+  const second = taken([null, words], read, first);
+  assert.equal(second[0], first[0]);
+  assert.equal(byKind(second).drawn.length, 2);
+  assert.equal(taken([null], read, []).length, 0);
 });

@@ -33,7 +33,7 @@ function show(): void {
       + "a current Firefox, Chrome, Edge or Safari. The panels work without it.";
     unable.hidden = false;
     const nothing = (): void => undefined;
-    showPanels(app, { pick: () => Promise.resolve(null), where: () => null, setLines: nothing, setArrows: nothing, setWords: nothing }, painter);
+    showPanels(app, { pick: () => Promise.resolve(null), where: () => null, shape: () => null, setLines: nothing, setArrows: nothing, setWords: nothing }, painter);
     return;
   }
   const scene = new Scene(app, canvas, document.getElementById("labels")!, document.getElementById("bar")!, painter, means);

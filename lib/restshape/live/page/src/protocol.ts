@@ -72,10 +72,13 @@ export interface Part {
   arrays: Record<string, ArrayPlace>; gone?: boolean;
 }
 
+/** Where points of a mark are: places with their displacements, or (m, k) points of the shape, in whose middle each of them is in every frame. */
+export interface PointPlaces { points?: ArrayPlace; moved?: ArrayPlace; nodes?: ArrayPlace; }
+
 export type MarkMessage =
-  | { kind: "lines"; name: string; meaning: string; starts: number[]; words: string[]; points: ArrayPlace; moved?: ArrayPlace }
-  | { kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; points: ArrayPlace; vectors: ArrayPlace;
-      moved?: ArrayPlace; tips: boolean[] }                                // tips: of each arrow, whether it ends at its point; empty: none
+  | ({ kind: "lines"; name: string; meaning: string; starts: number[]; words: string[] } & PointPlaces)
+  | ({ kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; vectors: ArrayPlace;
+      tips: boolean[] } & PointPlaces)                                     // tips: of each arrow, whether it ends at its point; empty: none
   | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] }
   | { kind: "offer"; name: string; text: string; events: ScriptEvent[]; slide: ScriptEvent | null; slid: string; lines: MarkMessage[] }
   | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
@@ -94,5 +97,5 @@ export interface FrameMessage {
   missed?: string;                                                         // why the press was refused that this frame lets go of
   held: { on: string; at: number[] } | null;
   parts: Part[];
-  marks?: MarkMessage[];                                                   // left out: as before
+  marks?: (MarkMessage | null)[];                                          // null: as the one in this place before; left out: all as before
 }

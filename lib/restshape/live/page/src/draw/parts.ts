@@ -52,7 +52,7 @@ export class Parts {
 
   /** Handles go where the shape is drawn. */
   private bend(): void {
-    const shape = [...this.all.values()].find(({ surface, part }) => surface && part.role === "shape");
+    const shape = this.shape();
     if (!shape) return;
     const size = this.bounds.size() || this.measure().size();
     for (const shown of this.all.values()) {
@@ -66,6 +66,12 @@ export class Parts {
       }
       shown.dots?.set(shown.points, shown.shifts);
     }
+  }
+
+  /** What is drawn as the shape. */
+  shape(): Shown | undefined {
+    for (const shown of this.all.values()) if (shown.surface && shown.part.role === "shape") return shown;
+    return undefined;
   }
 
   clear(): void { for (const name of [...this.all.keys()]) this.take(name); }

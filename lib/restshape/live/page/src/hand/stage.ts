@@ -20,6 +20,9 @@ export class PageStage {
     return target && anchorOf(target);
   }
 
+  /** The shape of the last frame; null: there is none. */
+  shape(): { points: Float32Array; shifts: Float32Array } | null { return this.scene.parts.shape() ?? null; }
+
   /** The place [m] at which the canvas is pressed next; null: given up by Escape, or by another pick. */
   async pick(what: string): Promise<number[] | null> {
     this.beside.say(`${what}; Escape gives up`);

@@ -2,7 +2,7 @@
 
 import type { App } from "../app";
 import { Charts } from "./charts";
-import { byKind, type MarksByKind } from "./decoded_marks";
+import { byKind, taken, type MarksByKind, type TakenMark } from "./decoded_marks";
 import { Offers } from "./offers";
 import { showFrameWords } from "./frame_words";
 import { showLegend } from "./legend";
@@ -25,9 +25,14 @@ export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels 
     sound.show(now.tones);
     now = null;
   };
+  let known: TakenMark[] = [];
   app.on("frame", ({ header, read }) => {
-    if (!header.marks) return;
-    now = byKind(header.marks, read);
+    if (!header.marks) {
+      if (header.parts.some(({ role }) => role === "shape")) group.follow();
+      return;
+    }
+    known = taken(header.marks, read, known);
+    now = byKind(known);
     group.draw(now.drawn);                              // with the picture of their frame
     painter.soon(write);
   });
