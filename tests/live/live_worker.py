@@ -34,7 +34,8 @@ class Page:
     """What a page sees: it says messages, and keeps the picture.
 
     Attributes:
-        heard: all answers; of frames their headers.
+        heard: all answers; of frames their headers, with those marks that have stayed in their places.
+        marks: at the hand now.
         arrays: of the picture, by part and name.
         bytes: of each frame.
     """
@@ -44,6 +45,7 @@ class Page:
         self.heard: list[dict[str, Any]] = []
         self.arrays: dict[tuple[str, str], np.ndarray] = {}
         self.bytes: list[int] = []
+        self.marks: list[dict[str, Any]] = []
 
     def take(self, content: str | bytes) -> dict[str, Any]:
         """Takes an answer."""
@@ -75,6 +77,9 @@ class Page:
                 count = int(np.prod(place["shape"]))
                 found = np.frombuffer(content, TYPES[place["type"]], count, 4 + length + place["at"])
                 self.arrays[part["name"], key] = found.reshape(place["shape"])
+        if "marks" in header:
+            self.marks = [self.marks[place] if one is None else one for place, one in enumerate(header["marks"])]
+            header["marks"] = self.marks
         return header
 
 
