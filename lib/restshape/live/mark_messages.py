@@ -59,8 +59,8 @@ def _places(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
     """Where its points are, and their displacements where it has any; or the nodes that say both."""
     if mark.nodes is not None:
         return {"nodes": body.add(mark.nodes)}
-    points = {"points": body.add(mark.points)}
-    return points if mark.moved is None else points | {"moved": body.add(mark.moved)}
+    places: dict[str, object] = {"points": body.add(mark.points)}
+    return places if mark.moved is None else places | {"moved": body.add(mark.moved)}
 
 
 def _numbers(values: object) -> list[float]:
