@@ -30,7 +30,7 @@ def installed_physics(applications: Iterable[Application]) -> list[Physics]:
 
 @cache
 def _refuse_clashes_once(physics: tuple[Physics, ...]) -> None:
-    """Makes sure of it once: edits make scenes anew many times a second."""
+    """Makes sure of it once: edits make scenes many times a second."""
     refuse_clashes(physics)
 
 
