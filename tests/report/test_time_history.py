@@ -12,7 +12,7 @@ from restshape.replay.recording import Recording
 from restshape.report import time_history
 from restshape.report.quantity_panels import cut_start
 from restshape.report.style import new_figure
-from restshape.report.time_history import draw_history, edited_spans, value_step
+from restshape.report.time_history import _line, draw_history, edited_spans, value_step
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 SWAY = 1e-3 * np.sin(np.arange(12.0))
@@ -104,3 +104,19 @@ def test_a_start_far_beyond_all_later_values_is_cut_off_and_named(start):
     later = values[5:]
     assert low < later.min() and later.max() < high < 2.0
     assert axes.texts[0].get_text() == "cut off: the first 5 frames go from 1.4 to 13.4 N"
+
+
+def test_a_start_is_not_cut_off_before_values_that_differ_by_rounding_alone():
+    """A flux that is 0 at rest, and what enters from the first step on: its last digits are no swings."""
+    values = np.array([0.0, *(0.012 + 1e-16 * np.sin(np.arange(30.0)))])
+    axes = new_figure(4.0, 2.0).subplots()
+    axes.plot(values)
+    whole = axes.get_ylim()
+    cut_start(axes, values, "m^3/s")
+    assert axes.get_ylim() == whole and not axes.texts
+
+
+def test_a_quantity_without_a_value_says_so():
+    axes = new_figure(4.0, 2.0).subplots()
+    assert _line(axes, np.arange(3.0), np.full(3, np.nan), "", {}) == ""
+    assert [text.get_text() for text in axes.texts] == ["no values"]

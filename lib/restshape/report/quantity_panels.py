@@ -134,21 +134,28 @@ def _panel(axes: Axes, recording: Recording, values: np.ndarray, limit: dict[str
         if draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, frames):
             seen.add(LIMIT)
     else:
-        axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
+        say_no_values(axes)
     return seen
+
+
+def say_no_values(axes: Axes) -> None:
+    """Says in a panel that its quantity has no value in any frame."""
+    axes.text(0.5, 0.5, "no values", transform=axes.transAxes, ha="center", va="center", color=REFUSED)
 
 
 def cut_start(axes: Axes, values: np.ndarray, unit: str) -> None:
     """Cuts the first frames off where they are far beyond all others, and says how far.
 
-    A start from rest, as of a wind that blows at once, would leave a line of the swings after it.
+    A start from rest, as of a wind that blows at once, would leave a line of the swings after it. Others that are the
+    same but for rounding have no swings.
     """
     first, later = (one[np.isfinite(one)] for one in (values[:STARTING], values[STARTING:]))
     if len(later) < STARTING or not len(first):
         return
     low, high = float(later.min()), float(later.max())
     room = STARTS_BEYOND * (high - low)
-    if not room or (first.min() >= low - room and first.max() <= high + room):
+    rounding = high - low <= LEAST_SPAN * max(abs(low), abs(high))
+    if rounding or (first.min() >= low - room and first.max() <= high + room):
         return
     factor, shown = scaled_unit(float(np.abs(values[np.isfinite(values)]).max()), unit)
     near = first[(first >= low - room) & (first <= high + room)]

@@ -13,7 +13,7 @@ from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED, quantity_names
 from restshape.replay.recording import Recording
 from restshape.report.frames import scene_name
-from restshape.report.quantity_panels import cut_start, draw_limits, least_span
+from restshape.report.quantity_panels import cut_start, draw_limits, least_span, say_no_values
 from restshape.report.recorded_quantities import limit_series, quantity_units
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import INK, LEVELS, new_figure
@@ -98,6 +98,8 @@ def _line(axes: Axes, times: np.ndarray, values: np.ndarray, unit: str, limit: d
     if len(known):
         least_span(axes, factor * float(known.min()), factor * float(known.max()))
         draw_limits(axes, factor, float(known.min()), float(known.max()), limit, shown, times)
+    else:
+        say_no_values(axes)
     return shown
 
 

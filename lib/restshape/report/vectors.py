@@ -47,14 +47,15 @@ class VectorSegments:
         if not shown:
             raise UserError("the recording has no field of vectors to show", "--show vectors", "leave vectors out")
         self.recording, self.scenery, self.name, self.look = recording, scenery, shown[0], looks[shown[0]]
-        sizes = [np.linalg.norm(recording.field(i, self.name), axis=1) for i in wanted if scenery.seen.solved[i]]
-        self.largest = max((float(np.nanmax(size, initial=0.0)) for size in sizes), default=0.0)
         xmin, xmax, ymin, ymax = scenery.extent
         self.spacing = max(xmax - xmin, ymax - ymin) / COUNT
         # None leaves the picture.
         room = 0.5 * LONGEST * self.spacing
         x, y = (np.arange(low + room, high - room, self.spacing) for low, high in ((xmin, xmax), (ymin, ymax)))
         self._places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        # Of what is drawn: a jet between two nodes would make points of all segments.
+        sizes = [np.linalg.norm(self._vectors(i)[1], axis=1) for i in wanted if scenery.seen.solved[i]]
+        self.largest = max((float(size.max(initial=0.0)) for size in sizes), default=0.0)
 
     @property
     def stretch(self) -> float:
@@ -63,12 +64,17 @@ class VectorSegments:
 
     def lines(self, i: int) -> np.ndarray:
         """The segments (k, 2, 2) [m] of frame i: start and end."""
+        places, vectors = self._vectors(i)
+        half = 0.5 * self.stretch * vectors
+        return np.stack([places - half, places + half], axis=1)
+
+    def _vectors(self, i: int) -> tuple[np.ndarray, np.ndarray]:
+        """The places (k, 2) [m] of the segments of frame i, and the vectors (k, 2) there."""
         plane = self._plane(i)
         field = np.nan_to_num(self.recording.field(i, self.name))
         vectors = np.ma.stack([LinearTriInterpolator(plane, part)(*self._places.T) for part in field.T[:2]], axis=-1)
         inside = ~np.ma.getmaskarray(vectors).any(axis=1)
-        half = 0.5 * self.stretch * np.ma.getdata(vectors)[inside]
-        return np.stack([self._places[inside] - half, self._places[inside] + half], axis=1)
+        return self._places[inside], np.ma.getdata(vectors)[inside]
 
     def on_dark(self, lines: np.ndarray, i: int) -> np.ndarray:
         """Which of the segments (k, 2, 2) [m] of frame i lie on dark colours of the field."""
