@@ -3,6 +3,7 @@
 import pytest
 from small_scenes import CURVED, make_replay, rows_of, write_scene, write_script
 
+from restshape.cli.main import main
 from restshape.shape.session import EditSession
 
 MID = {"do": "insert", "on": "right", "name": "mid", "s": 0.5}
@@ -71,3 +72,20 @@ def test_a_part_that_a_load_names_itself_is_not_cut(tmp_path):
     on = {"do": "set", "key": "loads.more", "value": {"on": "right.1", "traction": [1e5, 0]}}
     *_, last = frames_after(tmp_path, PLATE, MID, on, {"do": "insert", "on": "right.1", "name": "quarter", "s": 0.5})[1]
     assert last["refused"] == "right.1 is needed by loads.more"
+
+
+@pytest.mark.parametrize("command", ["check", "replay"])
+def test_a_name_that_a_drawing_does_not_have_is_refused_with_one_that_it_has(tmp_path, capsys, command):
+    (tmp_path / "plate.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm" viewBox="0 0 9 9">'
+        '<rect id="border" x="1" y="1" width="7" height="7"/></svg>'
+    )
+    scene = write_scene(
+        tmp_path,
+        'format = "restshape-scene"\nversion = 1\napp = "plane"\n[shape]\nfile = "plate.svg"\n'
+        "[material.m]\nE = 1\nnu = 0.3\nthickness = 1\n[effects]\nsolid = {}\n"
+        '[supports.hold]\non = "borders"\nfix = ["x", "y"]\n[mesh]\nsize = 0.002\n',
+    )
+    assert main([command, str(scene)]) == 2
+    said = capsys.readouterr().err
+    assert "supports.hold" in said and "no entity named 'borders'" in said and "did you mean 'border" in said

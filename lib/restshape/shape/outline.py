@@ -268,10 +268,15 @@ class Outline:
                     for key in ("vertices", "edges", "loops")
                 )
             )
+        raise self.unknown(name, besides)
+
+    def unknown(self, name: str, besides: Iterable[str] = (), where: str = "") -> UserError:
+        """The error of a name that no entity has; `besides` as of `entity`, `where`: the key that names it."""
         known = [*besides, *self.layout.entities, *self.groups]
         near = get_close_matches(name, [one for one in known if one not in RESERVED or one[:2] == name[:2]], 1)
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-        raise UserError(f"the shape has no entity named {name!r}", do=f"did you mean {near[0]!r}?" if near else some)
+        do = f"did you mean {near[0]!r}?" if near else some
+        return UserError(f"the shape has no entity named {name!r}", where, do)
 
     def control_points(self, entity: Entity) -> Indices:
         """Sorted indices of the control points that a drag of an entity moves: ends and inner points of edges too."""

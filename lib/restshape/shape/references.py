@@ -90,5 +90,5 @@ def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = N
             lost.setdefault(part, []).append(key)
     if lost:
         part, keys = next(iter(lost.items()))
-        verb = "is needed" if former is not None else "is not in the shape, but named"
-        raise UserError(f"{part} {verb} by {', '.join(dict.fromkeys(keys))}")
+        by = ", ".join(dict.fromkeys(keys))
+        raise outline.unknown(part, where=by) if former is None else UserError(f"{part} is needed by {by}")
