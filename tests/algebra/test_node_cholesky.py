@@ -8,7 +8,8 @@ from petsc4py import PETSc
 from scipy.sparse import coo_matrix, diags, kron
 from scipy.spatial import Delaunay
 
-from restshape.algebra.preconditioner import order_factor, set_preconditioner
+from restshape import _kernels
+from restshape.algebra.preconditioner import order_factor, set_preconditioner, substitute_by_panels
 
 N = 40
 
@@ -181,3 +182,23 @@ def test_a_large_pattern_that_is_factored_again_and_again_gets_a_sparser_factor(
         left.append((mat * way - right).norm() / right.norm())
     assert max(left) < 1e-11
     assert sizes[0] == sizes[1] and sizes[2] == sizes[3] < 0.97 * sizes[0]
+
+
+@pytest.mark.skipif("libcholmod" not in Path("/proc/self/maps").read_text(), reason="PETSc came without SuiteSparse")
+def test_a_very_large_pattern_is_dissected_at_once_and_its_factor_substituted_in_place(ksp):
+    mat = sheet(np.random.default_rng(2).uniform(size=(25_000, 2)))
+    right, way = mat.createVecs()
+    right.setArray(np.random.default_rng(3).normal(size=right.getSize()))
+    sizes, left = [], []
+    for _ in range(3):
+        ksp.setOperators(mat)
+        mat.scale(1.5)
+        ksp.solve(right, way)
+        factor = ksp.getPC().getFactorMatrix()
+        sizes.append(factor.getInfo()["nz_used"])
+        left.append((mat * way - right).norm() / right.norm())
+    # As many numbers as are not copied into panels.
+    assert sizes[0] == sizes[1] == sizes[2] > 1 << 24
+    assert max(left) < 1e-11
+    substitute_by_panels(ksp, single=False)
+    assert not _kernels.panel_value_bytes(factor.handle)

@@ -7,11 +7,13 @@
 #include <cmath>
 
 #include "algebra/block_factor.hpp"
+#include "algebra/block_substitution.hpp"
 #include "algebra/node_graph.hpp"
 
 // PETSc's factor in symmetric blocks takes the natural order alone: the blocks are copied in elimination order before.
 // Its pattern and substitutions are PETSc's; its numbers are made by BlockFactor, which is faster.
-// A large pattern that has been factored a few times is ordered anew, by nested dissection, which pays off then.
+// A large pattern that has been factored a few times is ordered anew, by nested dissection, which pays off then; a very
+// large one is dissected at once.
 // P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886; A. George, SIAM J. Numer. Anal.
 // 10 (1973), 345.
 
@@ -21,6 +23,11 @@ namespace {
 // Nodes of three unknowns, and factors of one pattern by minimum degree, from which on it is dissected: on a sheet of
 // 10,784 nodes that takes as long as half of such a factor, and saves a third of each.
 constexpr PetscInt large = 4000, several = 2;
+// Such nodes from which on dissection takes less than it saves of the first factor.
+constexpr PetscInt dissected_at_once = 20000;
+// Numbers of a factor from which on they are substituted in place: in half of PETSc's time, as panels take, which would
+// need as much memory again.
+constexpr std::size_t in_place = std::size_t{1} << 24;
 
 struct NodeCholesky {
     UpperBlocks blocks;
@@ -103,8 +110,15 @@ PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) 
 
 PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
     PetscFunctionBegin;
-    of(F)->made = 0;
-    PetscCall(lay_out(F, A, info, Elimination::minimum_degree));
+    NodeCholesky* c = of(F);
+    bool triples = false;
+    c->made = 0;
+    PetscCall(with_pattern(A, [&](const Pattern& a) -> PetscErrorCode {
+        triples = block_size(a, c->fields) == 3;
+        return 0;
+    }));
+    const bool dissects = triples && c->border == 0 && A->rmap->n / 3 >= dissected_at_once;
+    PetscCall(lay_out(F, A, info, dissects ? Elimination::dissection : Elimination::minimum_degree));
     PetscFunctionReturn(0);
 }
 
@@ -131,7 +145,8 @@ PetscErrorCode dissect_if_due(Mat F, Mat A, const MatFactorInfo* info) {
     double before, after;
     PetscFunctionBegin;
     const bool due = c->made++ == several && c->blocks.size == 3 && c->border == 0 && has_dissection();
-    if (!due || static_cast<PetscInt>(c->blocks.order.size()) < large) PetscFunctionReturn(0);
+    const auto nodes = static_cast<PetscInt>(c->blocks.order.size());
+    if (!due || nodes < large || nodes >= dissected_at_once) PetscFunctionReturn(0);
     PetscCall(count_products(c->factor, &before));
     PetscCall(lay_out(F, A, info, Elimination::dissection));
     PetscCall(count_products(c->factor, &after));
@@ -305,6 +320,28 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
 PetscErrorCode go_forward(NodeCholesky* c) { return (*c->factor->ops->forwardsolve)(c->factor, c->b, c->x); }
 PetscErrorCode go_backward(NodeCholesky* c) { return (*c->factor->ops->backwardsolve)(c->factor, c->x, c->b); }
 
+// Both substitutions of `right` in the place of a large factor, into `solution`; `taken` is whether the factor is one.
+PetscErrorCode substitute_in_place(NodeCholesky* c, bool* taken) {
+    BlockRows own{};
+    PetscBool done;
+    PetscFunctionBegin;
+    *taken = false;
+    if (c->blocks.size != 3) PetscFunctionReturn(0);
+    PetscCall(MatGetRowIJ(c->factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
+    const std::size_t numbers = 9 * static_cast<std::size_t>(own.start[own.count]);
+    *taken = numbers > in_place;
+    if (*taken) {
+        PetscCall(MatSeqSBAIJGetArray(c->factor, &own.value));
+        std::copy(c->right.begin(), c->right.end(), c->solution.begin());
+        substitute<3>(own, c->solution.data());
+        PetscCall(MatSeqSBAIJRestoreArray(c->factor, &own.value));
+        PetscCall(PetscLogFlops(4.0 * static_cast<double>(numbers)));
+    }
+    PetscCall(MatRestoreRowIJ(c->factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscFunctionReturn(0);
+}
+
 PetscErrorCode solve(Mat F, Vec b, Vec x) {
     NodeCholesky* c = of(F);
     const PetscInt size = c->blocks.size, n = static_cast<PetscInt>(c->blocks.order.size());
@@ -322,7 +359,9 @@ PetscErrorCode solve(Mat F, Vec b, Vec x) {
         PetscCall(go_backward(c));
         std::copy(c->right.begin(), c->right.end(), c->solution.begin());
     } else {
-        PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
+        bool taken;
+        PetscCall(substitute_in_place(c, &taken));
+        if (!taken) PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
     }
     PetscCall(VecGetArrayWrite(x, &to));
     for (PetscInt k = 0; k < n; ++k)
