@@ -10,7 +10,7 @@ from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
 from restshape.live.kept_marks import kept, of_answers
 from restshape.live.seen_frame import SeenFrame
-from restshape.live.shown_marks import Lines, Mark, Words
+from restshape.live.shown_marks import NOWHERE, Lines, Mark, Words
 from restshape.physics.cloth.seams import OPEN
 from restshape.physics.cloth.trust import stretched_most
 
@@ -64,9 +64,8 @@ def _seams(state: RelaxationState, seen: SeenFrame) -> list[Mark]:
         return marks
     for pair in seams.pairs:
         nodes, starts = np.concatenate([pair.first.nodes, pair.second.nodes]), (0, len(pair.first.nodes))
-        marks.append(
-            Lines(f"seam {pair.name}", seen.places(nodes), starts, "guide", seen.moved(nodes), (pair.name, ""))
-        )
+        words = (pair.name, "")
+        marks.append(Lines(f"seam {pair.name}", NOWHERE, starts, "guide", None, words, nodes=nodes[:, None]))
     return [*marks, *_open(state, seams, seen)]
 
 
