@@ -115,3 +115,10 @@ def test_files_that_are_none_are_refused(tmp_path):
     for name, what in refusals.items():
         with pytest.raises(UserError, match=what):
             read_closed_surface(tmp_path / name)
+
+
+def test_a_binary_file_that_is_cut_off_says_so(tmp_path):
+    path = tmp_path / "cut.stl"
+    path.write_bytes(b"made by hand".ljust(80) + (12).to_bytes(4, "little") + bytes(4 * 50 + 16))
+    with pytest.raises(UserError, match="cut off: it announces 12 triangles and holds 4"):
+        read_closed_surface(path)

@@ -260,7 +260,7 @@ def test_open_lines_of_an_svg_are_counted(tmp_path):
         (("pattern", "panels", "front", "vertices", 1), [40], "no list of points"),
         (("pattern", "panels", "front", "vertices", 1), ["40", 0], "no number"),
         (("pattern", "panels", "front", "translation"), [0, 0], "three numbers"),
-        (("pattern", "stitches", 0, 0, "panel"), "sleeve", "'sleeve'"),
+        (("pattern", "stitches", 0, 0, "panel"), "sleeve", "'sleeve', which is not there"),
         (("pattern", "stitches", 0, 0, "edge"), 7, "front.e7, which is not there"),
         (("pattern", "stitches", 0, 1), {"panel": "front", "edge": 1}, "to itself"),
         (("pattern", "stitches", 1, 0), {"panel": "front", "edge": 1}, "both of the edge front.e1"),

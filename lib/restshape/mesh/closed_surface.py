@@ -20,6 +20,8 @@ COINCIDENT = 1e-7
 """Corners closer than this share of the size are one."""
 FLAT = 1e-12
 """A triangle with less area than this share of its longest side squared has none; a body with less of its volume."""
+STL_HEAD, STL_TRIANGLE = 84, 50
+"""Bytes of a binary STL file before its triangles, whose last four count them; and of each triangle."""
 LARGE_HOLE = 0.3
 """A hole wider than this share of the size makes the surface an open one."""
 
@@ -96,7 +98,8 @@ def read_closed_surface(path: Path | str, unit: float | None = None) -> ClosedSu
     read = read_file(path, FORMATS)
     X, cells = np.asarray(read.points, float), _triangles(read.cells)
     if not len(cells):
-        raise UserError("the file holds no triangles", str(path), "export the surface as a triangle mesh")
+        what = _cut_off(path) or "the file holds no triangles"
+        raise UserError(what, str(path), "export the surface as a triangle mesh")
     if X.shape[1] != 3 or not np.isfinite(X).all():
         raise UserError("a corner is no place in space", str(path), "export the surface again")
     if cells.min() < 0 or cells.max() >= len(X):
@@ -118,6 +121,15 @@ def read_closed_surface(path: Path | str, unit: float | None = None) -> ClosedSu
     if surface.volume < FLAT * float(np.max(high - low)) ** 3:
         raise UserError("the surface encloses no volume", str(path), "give a body, not a sheet")
     return surface
+
+
+def _cut_off(path: Path) -> str:
+    """That a binary STL file ends before its last triangle; empty of others."""
+    data = path.read_bytes() if path.suffix.lower() == ".stl" else b""
+    if len(data) < STL_HEAD or b"\0" not in data:
+        return ""
+    announced, there = int.from_bytes(data[STL_HEAD - 4 : STL_HEAD], "little"), (len(data) - STL_HEAD) // STL_TRIANGLE
+    return f"the file is cut off: it announces {announced} triangles and holds {there}" if announced > there else ""
 
 
 def _guessed_unit(size: float, path: Path) -> float:

@@ -231,7 +231,7 @@ class _GarmentCode:
         side = self._table(raw, place)
         panel, edge = side.get("panel"), side.get("edge")
         if not isinstance(panel, str) or panel not in names or type(edge) is not int:
-            what = f"it is of the edge {quoted(str(edge))} of the panel {quoted(str(panel))}"
+            what = f"it is of the edge {quoted(str(edge))} of the panel {quoted(str(panel))}, which is not there"
             raise self._error(what, place, f"panels: {', '.join(names)}; edges by their numbers")
         return f"{names[panel]}.e{edge}"
 
