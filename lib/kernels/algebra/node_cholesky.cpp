@@ -110,15 +110,8 @@ PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) 
 
 PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
     PetscFunctionBegin;
-    NodeCholesky* c = of(F);
-    bool triples = false;
-    c->made = 0;
-    PetscCall(with_pattern(A, [&](const Pattern& a) -> PetscErrorCode {
-        triples = block_size(a, c->fields) == 3;
-        return 0;
-    }));
-    const bool dissects = triples && c->border == 0 && A->rmap->n / 3 >= dissected_at_once;
-    PetscCall(lay_out(F, A, info, dissects ? Elimination::dissection : Elimination::minimum_degree));
+    of(F)->made = 0;
+    PetscCall(lay_out(F, A, info, Elimination::minimum_degree));
     PetscFunctionReturn(0);
 }
 
@@ -139,14 +132,16 @@ PetscErrorCode count_products(Mat factor, double* products) {
     PetscFunctionReturn(0);
 }
 
-// Orders a pattern by nested dissection once it has been factored several times, where that takes fewer products.
+// Orders a pattern by nested dissection once it has been factored several times, a very large one before, where that
+// takes fewer products: in slender bodies it does not.
 PetscErrorCode dissect_if_due(Mat F, Mat A, const MatFactorInfo* info) {
     NodeCholesky* c = of(F);
     double before, after;
     PetscFunctionBegin;
-    const bool due = c->made++ == several && c->blocks.size == 3 && c->border == 0 && has_dissection();
     const auto nodes = static_cast<PetscInt>(c->blocks.order.size());
-    if (!due || nodes < large || nodes >= dissected_at_once) PetscFunctionReturn(0);
+    const PetscInt made_before = nodes >= dissected_at_once ? 0 : several;
+    const bool due = c->made++ == made_before && c->blocks.size == 3 && c->border == 0 && has_dissection();
+    if (!due || nodes < large) PetscFunctionReturn(0);
     PetscCall(count_products(c->factor, &before));
     PetscCall(lay_out(F, A, info, Elimination::dissection));
     PetscCall(count_products(c->factor, &after));
