@@ -142,6 +142,14 @@ def test_a_fluid_that_nothing_moves_any_more_is_at_rest(tmp_path):
     assert "rounding" not in row["note"]
 
 
+def test_a_reynolds_number_names_the_speed_that_no_edge_gives(tmp_path):
+    """In the message that no steady flow is found: with walls alone it is that which buoyancy may bring about."""
+    analysis = solved(tmp_path, TEXT).analysis
+    problem = analysis.state.problem
+    assert problem.speed_words == f", and {problem.speed:.3g} m/s that buoyancy may bring about"
+    assert problem.speed_words in analysis._search(analysis.state.equations)._reynolds()
+
+
 def test_a_new_reference_lifts_as_before(tmp_path):
     """A closed vessel flows by differences alone: with another reference it has another pressure."""
     row = solved(tmp_path, TEXT).row

@@ -157,4 +157,4 @@ class FlowSearch:
         scene, outline = problem.scene, problem.space.outline
         length, words = characteristic_length(scene, outline, stream(scene, outline).along)
         number = problem.fluid.rho * problem.speed * length / problem.fluid.mu
-        return f" at a Reynolds number of {number:.3g} ({words})"
+        return f" at a Reynolds number of {number:.3g} ({words}{problem.speed_words})"

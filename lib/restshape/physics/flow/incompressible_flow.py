@@ -127,6 +127,11 @@ class IncompressibleFlow(SteadyProblem):
         return max(given, before)
 
     @property
+    def speed_words(self) -> str:
+        """Where `speed` is from, for people, as it goes on from the length of a Reynolds number; empty where given."""
+        return ""
+
+    @property
     def stepping(self) -> float:
         """2 over the step [1/s] as far as it counts in tau: at most the rate at which a mean cell is passed.
 

@@ -131,6 +131,11 @@ class HeatedFlow(IncompressibleFlow):
         return self._fastest
 
     @property
+    def speed_words(self) -> str:
+        """As of `IncompressibleFlow`: that buoyancy may be what moves the fluid fastest."""
+        return f", and {self.speed:.3g} m/s that buoyancy may bring about" if self.speed > super().speed else ""
+
+    @property
     def stiffest(self) -> float:
         """The largest of the coefficients of momentum and of heat [Pa s], with those of a step."""
         stored = 0.0 if self.step is None else self.capacity * self.step.rate * self.size**2
