@@ -45,3 +45,15 @@ def test_a_hole_that_goes_far_takes_more_maps_than_one_and_keeps_the_triangles(m
     assert len(maps) > 1
     assert quality[1] < 0.5 * quality[0] and quality[2] > quality[1]
     np.testing.assert_allclose(X[boundary.nodes], boundary.values(there, points), atol=1e-12)
+
+
+def test_half_a_turn_of_a_hole_has_no_such_mesh(maps):
+    """In the middle of the way all of the hole's points are in one place."""
+    mesh = holed_mesh()
+    outline = mesh.outline
+    hole = np.unique([(outline.edges[e].start, outline.edges[e].end) for e, _ in outline.loops[1].edges])
+    points = outline.points.copy()
+    points[hole] = 2.0 * points[hole].mean(axis=0) - points[hole]
+    X = moved_to(mesh, outline.moved(points))
+    quality, invalid, _ = _kernels.check_cells(X, mesh.cells, 0.0, 0.0)
+    assert invalid or quality < moved_meshes.LEAST

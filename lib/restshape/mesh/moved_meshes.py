@@ -88,11 +88,18 @@ def moved_to(mesh: Mesh, outline: Outline) -> np.ndarray:
 
 
 def _stepped(mesh: Mesh, outline: Outline, boundary: BoundaryNodes, steps: int) -> np.ndarray:
-    """The nodes (n, 2) [m] after so many steps, each of which is harmonic on the mesh as it lies then."""
+    """The nodes (n, 2) [m] after so many steps, each of which is harmonic on the mesh as it lies then.
+
+    They stay where the way leaves a triangle without area, as half a turn of a hole does in the middle.
+    """
     moved, nodes, start = replace(mesh, X=mesh.X.copy()), boundary.nodes, mesh.outline.points
     for part in np.linspace(0.0, 1.0, steps + 1)[1:]:
         target = boundary.values(outline, start + part * (outline.points - start))
-        moved.X += extension(moved, nodes, "harmonic")(target - moved.X[nodes])
+        try:
+            harmonic = extension(moved, nodes, "harmonic")
+        except RuntimeError:
+            break
+        moved.X += harmonic(target - moved.X[nodes])
     return moved.X
 
 
