@@ -17,6 +17,7 @@ from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, MeshUpdate
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
+from restshape.mesh.mesh_area import MeshArea
 from restshape.mesh.moved_meshes import OtherMesh, compared_meshes
 from restshape.mesh.moving_state import Generated, GestureMap, Kept, KeptMesh, MovingState
 from restshape.mesh.nested import NestedMesh
@@ -117,6 +118,7 @@ class MovingMesh:
         self._order_of, self._harmonic = order_of, harmonic
         self.state = MovingState(spec)
         self._kept: Kept | None = None
+        self._area = MeshArea()
 
     @property
     def spec(self) -> MeshSpec:
@@ -178,7 +180,7 @@ class MovingMesh:
 
     def area(self) -> float:
         """Area of `field_mesh` [m^2], curved edges as they are; of solids in space that of the plane mesh."""
-        return _kernels.total_area(self.field_mesh.X, self.field_mesh.cells)
+        return self._area(self.field_mesh)
 
     def solved(self) -> None:
         """Take note that `field_mesh` was solved on: what flips have done to its nodes is in the solution."""
