@@ -25,7 +25,8 @@ class MeshArea:
 
     def __call__(self, space: Mesh | LagrangeSpace) -> float:
         """The area [m^2] of a mesh where its nodes are now."""
-        if not isinstance(space, Mesh) or space.X.shape[1] != 2 or len(space.cells) < MANY:
+        straight = space.X.shape[1] == 2 and space.cells.shape[1] == 3
+        if not straight or len(space.cells) < MANY:
             return _kernels.total_area(space.X, space.cells)
         if self._known != (space, space.topology):
             whole = _kernels.total_area(space.X, space.cells)
@@ -34,7 +35,7 @@ class MeshArea:
         return border_area(space) if self._closed else _kernels.total_area(space.X, space.cells)
 
 
-def border_area(mesh: Mesh) -> float:
+def border_area(mesh: Mesh | LagrangeSpace) -> float:
     """The area [m^2] on the left of the facets of a mesh in the plane, if they are closed."""
     start, end = (mesh.X[nodes] - mesh.X[0] for nodes in mesh.facets.T)
     return 0.5 * float((start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]).sum())
