@@ -209,6 +209,11 @@ LINES = [
         argv=("check", "{scene}", "--set", "material.stel.E=1"),
     ),
     Case(
+        "override with text out of quotes",
+        ("center", "each text in it in quotes"),
+        argv=("check", "{scene}", "--set", "shape.holes.window.circle.center=[0.5, 5 cm]"),
+    ),
+    Case(
         "unwritable output",
         ("--json", "cannot be written"),
         argv=("check", "{scene}", "--json", "{folder}/no/such/folder/out.json"),

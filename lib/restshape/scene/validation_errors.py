@@ -162,6 +162,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
             whole = ("all of its numbers", "0, ") if _is_quantity(given) else ("it", "")
             shown_in = f"[{whole[1]}{json.dumps(given, ensure_ascii=False)}]"
             written = f"write {whole[0]} in brackets, as in {shown_in}" if single else ""
+            if isinstance(given, str) and given.startswith("["):
+                written = 'put each text in it in quotes, as in [0, "5 kN"]'
             if isinstance(given, dict):
                 written = "write a list in brackets in place of the table in braces"
             return f"a list is wanted here, {shown}", written
