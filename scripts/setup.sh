@@ -151,16 +151,19 @@ if ! unchanged "packages-${extras[-1]}"; then
     if [ -z "${PETSC_DIR:-}" ]; then install_distribution_packages "${extras[0]}"; fi
     check_tools
     make_venv
+    # Both need nothing of what is installed: they run while pip and npm wait for the network, or one core has no work.
+    compile_modules &
+    build_page &
     install_packages
-    compile_modules
+    wait
     verify
 elif ! unchanged kernels || ! ls lib/restshape/_kernels.*.so >/dev/null 2>&1; then
     build_extension
+    build_page
 else
     build_page
     exit 0
 fi
-build_page
 for extra in "${extras[@]}"; do packages_state >"$venv/packages-$extra.state"; done
 kernels_state >"$venv/kernels.state"
 echo "setup: done, the command is $venv/bin/restshape"
