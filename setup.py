@@ -43,7 +43,7 @@ PRECOMPILED, OF_BINDINGS = "precompiled.hpp", "precompiled_bindings.hpp"
 """What files begin with, and bindings: where pybind11 is included the compiler makes code of it for 5 s."""
 ALONE = ("bind_delaunay.cpp",)
 """Bindings with CGAL, which does not bear names that PETSc's macros have."""
-TOGETHER = 24_000
+TOGETHER = 36_000
 """Bytes up to which files of bindings are compiled as one, which makes code of pybind11 once for all of them."""
 
 

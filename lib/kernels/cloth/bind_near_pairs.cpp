@@ -72,7 +72,7 @@ Numbers crossed(Search& own, const Doubles& x) {
     return Numbers(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
-double step_share(Search& own, const Doubles& x, const Doubles& d, double reach) {
+double share_of_step(Search& own, const Doubles& x, const Doubles& d, double reach) {
     return own.found.share_of(own.points(x), own.points(d), reach);
 }
 
@@ -91,7 +91,7 @@ void bind_near_pairs(py::module_& m) {
         .def("crossed", &crossed, "x"_a,
              "Numbers (k,) of the triangles that edges without a common node, or sewn ones, pass through at x (n, 3) "
              "[m].")
-        .def("step_share", &step_share, "x"_a, "d"_a, "reach"_a = 0.0,
+        .def("step_share", &share_of_step, "x"_a, "d"_a, "reach"_a = 0.0,
              "The share, at most 1, of the way from x (n, 3) along d (n, 3) [m] on which no such pair meets: each that "
              "comes "
              "within the reach [m] comes nearer by nine tenths at most. Searches on that way are by what was found "

@@ -9,22 +9,20 @@
 
 #include "fem/element.hpp"
 #include "fem/operator.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using restshape::Element;
 using restshape::Pack;
 using restshape::pack_lanes;
 using restshape::Purpose;
+using restshape::require;
 
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Output = py::array_t<double, py::array::c_style>;
 using Cells = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw std::invalid_argument(message);
-}
 
 // What only some elements need: nodal coefficients (n, c), and unknowns that do not lie on the nodes of X.
 struct Optional {

@@ -7,21 +7,19 @@
 #include <stdexcept>
 
 #include "fem/operator.hpp"
+#include "require.hpp"
 
 namespace py = pybind11;
 using restshape::Block;
 using restshape::Element;
 using restshape::Operator;
+using restshape::require;
 
 namespace {
 
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Output = py::array_t<double, py::array::c_style>;
 using Indices = py::array_t<int32_t, py::array::c_style | py::array::forcecast>;
-
-void require(bool holds, const std::string& message) {
-    if (!holds) throw std::invalid_argument(message);
-}
 
 using HeldCells = py::array_t<int32_t, py::array::c_style>;
 

@@ -58,11 +58,11 @@ py::bytes packed(const py::list& arrays, py::ssize_t size) {
     return whole;
 }
 
-using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Converted = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Floats = py::array_t<float, py::array::c_style>;
 
 // A copy in 4 bytes a number; what is not finite becomes `instead`, unless that is none itself.
-Floats shortened(const Doubles& values, float instead) {
+Floats shortened(const Converted& values, float instead) {
     Floats found(std::vector<py::ssize_t>(values.shape(), values.shape() + values.ndim()));
     float* at = found.mutable_data();
     const double* from = values.data();
@@ -74,7 +74,7 @@ Floats shortened(const Doubles& values, float instead) {
     return found;
 }
 
-py::tuple sent_fields(const Doubles& points, const Doubles& displacement, const Doubles& values) {
+py::tuple sent_fields(const Converted& points, const Converted& displacement, const Converted& values) {
     constexpr double none = std::numeric_limits<double>::infinity();
     double low = none, high = -none;
     const double* from = values.data();
