@@ -120,4 +120,4 @@ def test_a_formula_of_places_is_refused_where_it_falls_below(tmp_path):
 
 def test_units_that_are_listed_hold_the_scale():
     with pytest.raises(UnitError, match="%, cent, degC, or a prefix"):
-        quantity("20 degF", "temperature")
+        quantity("20 warm", "temperature")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, cast
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -48,5 +48,4 @@ def with_changed_table(before: Scene, raw: Table, kind: type[Scene], known: Mapp
 @cache
 def _adapter(kind: type[Scene], key: str) -> TypeAdapter[object]:
     """What validates the values of a key."""
-    annotation: Any = annotation_of(kind.model_fields[key])
-    return TypeAdapter(annotation)
+    return TypeAdapter(cast("type[object]", annotation_of(kind.model_fields[key])))
