@@ -9,7 +9,7 @@ from thermal_scenes import solved
 
 from restshape.application import application
 from restshape.errors import UserError
-from restshape.physics.flow.flow_conditions import unequal
+from restshape.physics.flow.flow_conditions import unbalanced, unequal
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
@@ -113,6 +113,40 @@ def test_an_inflow_that_depends_on_the_time(tmp_path):
         assert row["q_out"] == pytest.approx(-row["q_in"], rel=1e-6, abs=1e-12)
     assert [row["time"] for row in rows] == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
     assert rows[-1]["q_in"] == pytest.approx(4 * rows[1]["q_in"], rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [0.3, 1.0, 2.5])
+def test_a_vessel_whose_wall_turns_is_no_unequal_inflow(tmp_path, size):
+    """Fluid between a cylinder that turns and a wall: u = A r + B / r, and what flows through the walls is rounding."""
+    text = f"""format = "restshape-scene"
+version = 1
+app = "flow"
+[shape]
+outline = ["lower", "upper"]
+vertices = {{ west = [-{size}, 0], east = [{size}, 0] }}
+edges = {{ lower = {{ arc = ["west", "east"], bulge = 1 }}, upper = {{ arc = ["east", "west"], bulge = 1 }} }}
+holes = {{ drum = {{ circle = {{ center = [0, 0], radius = {size / 2} }} }} }}
+points = {{ middle = [{0.75 * size}, 0] }}
+[fluid]
+rho = 1
+mu = 0.1
+[boundary.drum]
+on = "drum"
+velocity = ["-y", "x"]
+[effects]
+flow = {{}}
+[mesh]
+size = {0.05 * size}
+[quantities]
+middle = {{ speed = true, at = "middle" }}
+"""
+    row = solved(tmp_path, text).row
+    assert row["q_middle"] == pytest.approx(size * (-0.75 / 3 + 1 / 3 / 0.75), rel=2e-3)
+
+
+def test_what_flows_in_by_a_turning_wall_is_still_missed():
+    assert unbalanced(np.array([-1e-6, 1e-17, -1e-17]), np.array([1e-6, 1.0, 1.0]))
+    assert not unbalanced(np.array([-4.5e-16, 4.3e-16]), np.array([1.0, 1.0]))
 
 
 def test_a_vessel_into_which_nothing_flows_is_said_without_a_sign():
