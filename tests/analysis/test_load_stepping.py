@@ -10,6 +10,7 @@ from large import beam, solid
 from petsc4py import PETSc
 from restshape_studies.validation.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
+from scipy.special import ellipe, ellipk
 from small_scenes import make_replay, rows_of, write_scene
 
 from restshape.algebra.newton_convergence import Outcome
@@ -101,7 +102,7 @@ def test_a_limit_is_met_within_the_shortest_step():
 def test_short_steps_are_searched():
     path = Path(1e-5, searched_radius=0.07)
     assert path.follow().reached == 1.0 and path.searches > 0
-    assert Path(1e-5).follow().reached < SEARCHED
+    assert Path(1e-8).follow().reached < SEARCHED
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3, 4])
@@ -125,6 +126,17 @@ def test_a_strip_far_softer_in_bending_than_in_tension(load):
     # The goal is far below the forces of stretching that steps along the bent strip bring up.
     row = first_frame(ELASTICA, [f"parameters.load={load}"], PETSc.COMM_WORLD).row
     assert (-row["q_down"], -row["q_back"]) == pytest.approx(stretched_elastica(load), rel=2e-3)
+
+
+@pytest.mark.parametrize(("angle", "aside"), [(60, 1e-4), (100, 1e-4), (120, 1e-3)])
+def test_a_column_is_followed_past_its_buckling_load(angle, aside):
+    """S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, 1961, 2.7: the load at which its tip has an angle."""
+    k = np.sin(np.radians(angle) / 2)
+    K, E = ellipk(k * k), ellipe(k * k)
+    axial = f"-{K * K}*E*h^3/12"
+    values = [f"parameters.load={aside}", f'loads.tip.force=["{axial}","-load*E*h^3/12"]']
+    row = first_frame(ELASTICA, values, PETSc.COMM_WORLD).row
+    assert (-row["q_down"], -row["q_back"]) == pytest.approx((2 * k / K, 2 - 2 * E / K), rel=4e-3)
 
 
 def pressed_elastica(pressure, rigidity):
