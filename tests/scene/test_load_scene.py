@@ -297,3 +297,11 @@ def test_a_script_adds_an_entry_by_its_table_alone(tmp_path):
     for key, value in (("supports.roller", 3), ("supports.roller.on", "top")):
         with pytest.raises(UserError, match="there is no supports"):
             revise(scene, key, value)
+
+
+def test_the_first_region_that_is_not_there_is_asked_for(scene_file):
+    text = scene_file.read_text().replace('groups = { sides = ["left", "right"] }\n', "")
+    text = text.replace('"sides"', '"left"')
+    scene_file.write_text(f'{text}\n[material.pad]\nE = "100 GPa"\nnu = 0.34\nregion = "patch"\n')
+    with pytest.raises(UserError, match="no region 'patch'\n.*add it to the regions, of which there are none"):
+        load_scene(scene_file)

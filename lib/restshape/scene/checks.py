@@ -134,7 +134,9 @@ def _check_edges(shape: ShapeSpec, table: tuple[str, ...], source: Source) -> No
 def _refuse_absent(name: str, known: Iterable[str], kind: str, place: tuple[str, ...], source: Source) -> None:
     """Refuses a name that names nothing of its kind."""
     if name not in known:
-        raise source.error(place, f"there is no {kind} {name!r}", name_suggestion(name, sorted(known), tuple(RESERVED)))
+        none = f"add it to the {'vertices' if kind == 'vertex' else f'{kind}s'}, of which there are none, or leave it out"
+        do = name_suggestion(name, sorted(known), tuple(RESERVED)) if known else none
+        raise source.error(place, f"there is no {kind} {name!r}", do)
 
 
 def check_parameters(scene: Scene, _: Application, source: Source) -> None:
