@@ -299,9 +299,17 @@ def test_a_script_adds_an_entry_by_its_table_alone(tmp_path):
             revise(scene, key, value)
 
 
-def test_the_first_region_that_is_not_there_is_asked_for(scene_file):
-    text = scene_file.read_text().replace('groups = { sides = ["left", "right"] }\n', "")
-    text = text.replace('"sides"', '"left"')
-    scene_file.write_text(f'{text}\n[material.pad]\nE = "100 GPa"\nnu = 0.34\nregion = "patch"\n')
-    with pytest.raises(UserError, match="no region 'patch'\n.*add it to the regions, of which there are none"):
+@pytest.mark.parametrize("region", ["patch", "sides"])
+def test_a_region_that_is_not_there_is_no_material(scene_file, region):
+    """Nor is a group that holds edges alone."""
+    scene_file.write_text(f'{scene_file.read_text()}\n[material.pad]\nE = 1e11\nnu = 0.3\nregion = "{region}"\n')
+    with pytest.raises(UserError, match=f"no region '{region}'\n.*add it to the regions, of which there are none"):
         load_scene(scene_file)
+
+
+def test_a_group_of_regions_has_a_material(scene_file):
+    groups = 'groups = { sides = ["left", "right"], pads = ["patch"] }'
+    text = scene_file.read_text().replace('groups = { sides = ["left", "right"] }', groups)
+    text += "[shape.regions]\npatch = { circle = { center = [1.5, 0.5], radius = 0.1 } }\n"
+    scene_file.write_text(f'{text}[material.pad]\nE = 1e11\nnu = 0.3\nregion = "pads"\n')
+    assert load_scene(scene_file).material["pad"].region == ["pads"]

@@ -134,7 +134,8 @@ def _check_edges(shape: ShapeSpec, table: tuple[str, ...], source: Source) -> No
 def _refuse_absent(name: str, known: Iterable[str], kind: str, place: tuple[str, ...], source: Source) -> None:
     """Refuses a name that names nothing of its kind."""
     if name not in known:
-        none = f"add it to the {'vertices' if kind == 'vertex' else f'{kind}s'}, of which there are none, or leave it out"
+        many = "vertices" if kind == "vertex" else f"{kind}s"
+        none = f"add it to the {many}, of which there are none, or leave it out"
         do = name_suggestion(name, sorted(known), tuple(RESERVED)) if known else none
         raise source.error(place, f"there is no {kind} {name!r}", do)
 
@@ -181,8 +182,13 @@ def _check_materials(scene: Scene, source: Source) -> None:
                 )
             owner[region] = name
             if not (scene.shape.file or scene.mesh.file):
-                regions = [*scene.shape.regions, *scene.shape.groups]
-                _refuse_absent(region, regions, "region", ("material", name, "region"), source)
+                _refuse_absent(region, _filled(scene.shape), "region", ("material", name, "region"), source)
+
+
+def _filled(shape: ShapeSpec) -> list[str]:
+    """What a material may fill: regions, and groups that hold one or other groups."""
+    parts = {*shape.regions, *shape.groups}
+    return [*shape.regions, *(name for name, members in shape.groups.items() if parts.intersection(members))]
 
 
 def _check_references(scene: Scene, source: Source) -> None:
