@@ -142,7 +142,7 @@ py::dict forces(Furniture& f, int c) {
     out["x"] = array(state.x), out["law"] = static_cast<int>(state.law), out["found"] = state.found;
     out["contacts"] = array(f.contact_forces(c));
     std::vector<V3<double>> balance;
-    out["unbalanced_load"] = f.unbalanced_load(c, &balance), out["balance"] = array(balance);
+    out["unbalanced_load"] = f.balance(c, balance), out["balance"] = array(balance);
     const std::vector<double> d = f.openings(c);
     const py::ssize_t nj = static_cast<py::ssize_t>(f.shape().joints.size());
     py::array_t<double> joints({nj, py::ssize_t{10}});
@@ -312,6 +312,7 @@ PYBIND11_MODULE(_kernels, m) {
           "planes"_a, "loaded"_a, "places"_a, "cases"_a, "gravity"_a, "settings"_a)
         .def_property_readonly("parts", &Furniture::parts)
         .def_property_readonly("steps", &Furniture::steps, "Newton's steps of all equilibria so far.")
+        .def_property_readonly("fits", &Furniture::fits, "Least squares of all tests of stability so far.")
         .def("shape", &shape, "gamma"_a = py::none(),
              "The closed geometry at design parameters (n, 8), which becomes the present one.")
         .def(

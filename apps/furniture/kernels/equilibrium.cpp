@@ -1,6 +1,7 @@
 // Newton's method for the equilibrium of a piece, and its stiffness block by block.
 #include "equilibrium.hpp"
 
+#include <Eigen/Cholesky>
 #include <limits>
 #include <numeric>
 
@@ -36,6 +37,34 @@ Eigen::Matrix3d turning(const V3<double>& arm, const V3<double>& force) {
     return stiffness;
 }
 
+// Sums over the contacts of a part that stick: whether they hold it in all ways is so found from a few numbers.
+struct Sticking {
+    double count = 0.0, reach2 = 0.0;
+    V3<double> sum{0.0, 0.0, 0.0};
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+
+    void add(const V3<double>& arm, bool sticks) {
+        reach2 = std::max(reach2, dot(arm, arm));
+        if (!sticks) return;
+        const Eigen::Vector3d a(arm.data());
+        count += 1.0, sum = sum + arm;
+        products += a * a.transpose();
+    }
+
+    // Whether the inertia of unit masses at the contacts about their middle is positive by far. By Schur's complement
+    // the stiffness of all motions is then positive, too; other contacts only add to it.
+    bool hold() const {
+        if (count < 3.0) return false;
+        const Eigen::Vector3d middle = Eigen::Vector3d(sum.data()) / count;
+        const Eigen::Matrix3d about = products - count * middle * middle.transpose();
+        const double all = about.trace(), least = well_held * count * reach2;
+        return Eigen::LLT<Eigen::Matrix3d>((all - least) * Eigen::Matrix3d::Identity() - about).info() ==
+               Eigen::Success;
+    }
+
+    static constexpr double well_held = 1e-4;
+};
+
 // Whether two residuals are equal but for rounding.
 bool same(double one, double other) { return std::abs(one - other) <= 1e-12 * other; }
 
@@ -59,26 +88,43 @@ Equilibrium::Equilibrium(const Piece& piece) : P(piece), parts_(parts_of(piece))
 }
 
 void Equilibrium::find_free(const Shape<double>& shape) {
-    std::vector<Block> ground(parts_.size(), Block::Zero());
-    std::vector<double> reach(parts_.size(), 0.0);
+    std::vector<Sticking> sticking(parts_.size());
     for (const auto& contact : shape.contacts) {
         const int k = plank_part_[contact.plank];
-        const V3<double> arm = contact.point - shape.centre[parts_[k].carrier];
-        reach[k] = std::max(reach[k], std::sqrt(dot(arm, arm)));
+        sticking[k].add(contact.point - shape.centre[parts_[k].carrier], contact.mu > 0.0);
+    }
+    for (size_t k = 0; k < parts_.size(); ++k) {
+        parts_[k].free.clear();
+        if (!sticking[k].hold()) find_free(shape, static_cast<int>(k));
+    }
+}
+
+void Equilibrium::find_free(const Shape<double>& shape, int part) {
+    Block ground = Block::Zero();
+    double reach = 0.0;
+    for (const auto& contact : shape.contacts) {
+        if (plank_part_[contact.plank] != part) continue;
+        const V3<double> arm = contact.point - shape.centre[parts_[part].carrier];
+        reach = std::max(reach, std::sqrt(dot(arm, arm)));
         Eigen::Matrix<double, 3, 6> way;
         way << Eigen::Matrix3d::Identity(), -spin(arm);
         const Eigen::Vector3d n(contact.normal.data());
         Eigen::Matrix3d held = n * n.transpose();
         if (contact.mu > 0.0) held.setIdentity();
-        ground[k] += way.transpose() * held * way;
+        ground += way.transpose() * held * way;
     }
-    for (size_t k = 0; k < parts_.size(); ++k) parts_[k].free = free_motions(ground[k], reach[k]);
+    parts_[part].free = free_motions(ground, reach);
 }
 
-std::vector<double> Equilibrium::openings(const Shape<double>& shape, int load_case, Law law,
-                                          const std::vector<double>& x) const {
-    std::vector<double> d(6 * P.joints.size()), r(6 * P.count());
-    gradient(shape, load_case, law, x.data(), r.data(), d.data());
+std::vector<double> Equilibrium::openings(const Shape<double>& shape, const std::vector<double>& x) {
+    place(x.data());
+    std::vector<double> d;
+    d.reserve(6 * P.joints.size());
+    for (size_t k = 0; k < P.joints.size(); ++k) {
+        V3<double> dt, dr;
+        opening(places_[P.joints[k].i], places_[P.joints[k].j], shape.joints[k].arm_i, shape.joints[k].arm_j, dt, dr);
+        d.insert(d.end(), dt.begin(), dt.end()), d.insert(d.end(), dr.begin(), dr.end());
+    }
     return d;
 }
 

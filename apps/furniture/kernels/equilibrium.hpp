@@ -27,8 +27,7 @@ class Equilibrium {
                   const T* joint_forces = nullptr) const;
 
     // How far joints open (6 a joint) at x.
-    std::vector<double> openings(const Shape<double>& shape, int load_case, Law law,
-                                 const std::vector<double>& x) const;
+    std::vector<double> openings(const Shape<double>& shape, const std::vector<double>& x);
 
     // The energy [J] whose gradient the other is, with contacts as springs.
     double energy(const Shape<double>& shape, int load_case, const double* x, const double* joint_forces) const;
@@ -80,6 +79,9 @@ class Equilibrium {
     int load_case_ = 0;                  // whose loads an exact stiffness holds
     std::vector<Place<double>> places_;  // of planks, at displacements that were placed last
     std::vector<double> bounds_;         // [N] of each contact's friction, in the law of that name
+
+    // Finds the free motions of a part from all that its contacts stiffen.
+    void find_free(const Shape<double>& shape, int part);
 
     double bound(Law law, size_t contact) const { return law == Law::bounded ? bounds_[contact] : 0.0; }
 

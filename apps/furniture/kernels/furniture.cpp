@@ -4,10 +4,10 @@
 #include <limits>
 
 #include "equilibrium.hpp"
+#include "footing.hpp"
 #include "joint_utilisation.hpp"
 #include "overlap.hpp"
 #include "shaper.hpp"
-#include "support.hpp"
 
 namespace restshape::planks {
 
@@ -16,6 +16,7 @@ Furniture::Furniture(Piece piece) : P(std::move(piece)) {
     equilibrium_ = std::make_unique<Equilibrium>(P);
     states_.resize(P.cases.size());
     for (CaseState& state : states_) state.x.assign(6 * P.count(), 0.0);
+    near_.resize(states_.size() * equilibrium_->parts().size());
 }
 
 Furniture::~Furniture() = default;
@@ -31,7 +32,7 @@ void Furniture::set_shape(const double* gamma) {
 
 DesignCheck Furniture::test(const double* gamma, int wanted, bool quick) {
     DesignCheck check;
-    if (hold(gamma, wanted, quick, check) && (wanted & (weak | unbalanced))) bear(check);
+    if (hold(gamma, wanted, quick, check) && (wanted & (weak | unbalanced))) bear(check, nullptr, quick ? wanted : 0);
     return check;
 }
 
@@ -46,27 +47,29 @@ bool Furniture::hold(const double* gamma, int wanted, bool quick, DesignCheck& c
         return false;
     }
     if (quick && (check.flaws & wanted)) return false;
-    if (wanted & overlapping) check.overlaps = overlaps(P, shape_, quick);
+    if (wanted & overlapping) check.overlaps = overlaps(P, shape_, quick, &separating_);
     if (!check.overlaps.empty()) check.flaws |= overlapping;
     if (quick && (check.flaws & wanted)) return false;
-    stand(check);
+    stand(check, quick, quick && (wanted & unstable));
+    if (quick && (check.flaws & wanted)) return false;
     equilibrium_->find_free(shape_);
-    return !(quick && (check.flaws & wanted));
+    return true;
 }
 
-void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations) {
+void Furniture::bear(DesignCheck& check, std::vector<double>* utilisations, int ending) {
     std::vector<Overloaded> most(P.joints.size(), {-1, -1, 1.0, Load::pull}), doubts = most;
     for (size_t c = 0; c < P.cases.size(); ++c) {
         equilibrate(static_cast<int>(c));
         if (!states_[c].found) check.flaws |= unbalanced, check.unbalanced.push_back(static_cast<int>(c));
         check.sprung = check.sprung || states_[c].sprung;
         add_utilisation(static_cast<int>(c), check, most, doubts, utilisations);
+        if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
+        if (check.flaws & ending) break;
     }
     for (const Overloaded& one : most)
         if (one.joint >= 0) check.overloaded.push_back(one);
     for (const Overloaded& one : doubts)
         if (one.joint >= 0) check.doubts.push_back(one), check.flaws |= doubtful;
-    if (!(check.pull <= 1.0 && check.shear <= 1.0)) check.flaws |= weak;
 }
 
 bool Furniture::springs_rest() {
@@ -98,10 +101,7 @@ bool Furniture::one_sided(int load_case) {
     return states_[load_case].law == Law::unilateral;
 }
 
-std::vector<double> Furniture::openings(int load_case) {
-    const CaseState& state = states_[load_case];
-    return equilibrium_->openings(shape_, load_case, state.law, state.x);
-}
+std::vector<double> Furniture::openings(int load_case) { return equilibrium_->openings(shape_, states_[load_case].x); }
 
 std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
     const CaseState& state = states_[load_case];
@@ -114,15 +114,21 @@ std::vector<V3<double>> Furniture::contact_forces(int load_case) const {
     return forces;
 }
 
-double Furniture::unbalanced_load(int load_case, std::vector<V3<double>>* forces) const {
+double Furniture::balance(int load_case, std::vector<V3<double>>& forces) const {
     double most = 0.0;
-    if (forces) forces->assign(shape_.contacts.size(), {0.0, 0.0, 0.0});
-    for (const Part& part : equilibrium_->parts()) most = std::max(most, unbalanced_load(part, load_case, forces));
+    forces.assign(shape_.contacts.size(), {0.0, 0.0, 0.0});
+    for (const Part& part : equilibrium_->parts()) {
+        const Footing footing(P, shape_, part);
+        const Support support = footing.support(load_case, 0.1 * balance_tolerance);
+        footing.put(support, load_case, forces);
+        most = std::max(most, support.unbalanced_load);
+    }
     return most;
 }
 
 void Furniture::forget() {
     for (CaseState& state : states_) std::fill(state.x.begin(), state.x.end(), 0.0), state.found = false;
+    for (auto& forces : near_) forces.clear();
 }
 
 void Furniture::exchange(std::vector<CaseState>& others) {
@@ -149,17 +155,26 @@ bool Furniture::inside(int load_case) const {
     return true;
 }
 
-void Furniture::stand(DesignCheck& check) {
+void Furniture::stand(DesignCheck& check, bool quick, bool first_only) {
+    const auto& parts = equilibrium_->parts();
+    std::vector<Footing> footings;
+    footings.reserve(parts.size());
+    for (const Part& part : parts) footings.emplace_back(P, shape_, part);
     for (size_t c = 0; c < P.cases.size(); ++c) {
         states_[c].unbalanced_load = 0.0;
-        for (const Part& part : equilibrium_->parts()) {
-            const double left = unbalanced_load(part, static_cast<int>(c), nullptr);
+        for (size_t k = 0; k < parts.size(); ++k) {
+            std::vector<ConeForce>& near = near_[c * parts.size() + k];
+            if (!quick) near.clear();
+            Support support = footings[k].support(static_cast<int>(c), 0.1 * balance_tolerance, near);
+            near = std::move(support.forces), fits_ += support.fits;
+            const double left = support.unbalanced_load;
             states_[c].unbalanced_load = std::max(states_[c].unbalanced_load, left);
-            if (!(left <= balance_tolerance)) check.falls.emplace_back(static_cast<int>(c), part.planks[0]);
+            if (left <= balance_tolerance) continue;
+            check.falls.emplace_back(static_cast<int>(c), parts[k].planks[0]), check.flaws |= unstable;
+            if (first_only) return;
         }
         check.unbalanced_load = std::max(check.unbalanced_load, states_[c].unbalanced_load);
     }
-    if (!check.falls.empty()) check.flaws |= unstable;
 }
 
 DesignCheck Furniture::invalid(DesignCheck check) {
@@ -223,7 +238,7 @@ bool Furniture::stiffen(int load_case) {
 bool Furniture::ease(int load_case, const std::vector<double>& springs) {
     CaseState& state = states_[load_case];
     std::vector<V3<double>> balance;
-    unbalanced_load(load_case, &balance);
+    this->balance(load_case, balance);
     state.x = springs;
     return equilibrium_->ease(shape_, load_case, balance, state.x) && !wild(state);
 }
@@ -262,41 +277,6 @@ void Furniture::add_utilisation(int load_case, DesignCheck& check, std::vector<O
             add(doubts, k, moment, by);
         }
     }
-}
-
-double Furniture::unbalanced_load(const Part& part, int load_case, std::vector<V3<double>>* forces) const {
-    std::vector<V3<double>> points, normals;
-    std::vector<double> mu;
-    std::vector<size_t> index;
-    std::vector<char> mine(P.count(), 0);
-    for (int i : part.planks) mine[i] = 1;
-    for (size_t k = 0; k < shape_.contacts.size(); ++k) {
-        const auto& contact = shape_.contacts[k];
-        if (!mine[contact.plank]) continue;
-        points.push_back(contact.point), normals.push_back(contact.normal), mu.push_back(contact.mu);
-        index.push_back(k);
-    }
-    if (points.empty()) return 1.0;
-    V3<double> middle{0.0, 0.0, 0.0};
-    for (const auto& p : points) middle = middle + scaled(p, 1.0 / points.size());
-    double reach = 1e-9;
-    for (auto& p : points) p = p - middle, reach = std::max(reach, std::sqrt(dot(p, p)));
-    for (auto& p : points) p = scaled(p, 1.0 / reach);
-    V3<double> force{0.0, 0.0, 0.0}, moment = force;
-    double weight = 0.0;
-    const auto add = [&](const V3<double>& at, const V3<double>& f) {
-        force = force - f, moment = moment - cross(scaled(at - middle, 1.0 / reach), f);
-        weight += std::sqrt(dot(f, f));
-    };
-    for (int i : part.planks) add(shape_.centre[i], scaled(P.gravity, shape_.mass[i]));
-    for (size_t k = 0; k < P.loads.size(); ++k)
-        if (const int i = P.loads[k].plank; mine[i]) add(shape_.centre[i] + shape_.load_arms[k], P.cases[load_case][k]);
-    if (weight == 0.0) return 0.0;
-    Wrench load;
-    load << force[0], force[1], force[2], moment[0], moment[1], moment[2];
-    const Support found = balance(points, normals, mu, load / weight, 0.1 * balance_tolerance);
-    for (size_t k = 0; forces && k < index.size(); ++k) (*forces)[index[k]] = scaled(found.forces[k], weight);
-    return found.unbalanced_load;
 }
 
 }  // namespace restshape::planks

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "state.hpp"
+#include "support.hpp"
 
 namespace restshape::planks {
 
@@ -49,7 +50,8 @@ class Furniture {
     const std::vector<CaseState>& states() const { return states_; }
     State state() { return {P, *equilibrium_, shape_, states_}; }
     int parts() const;
-    long steps() const;  // Newton's, of all equilibria so far
+    long steps() const;                  // Newton's, of all equilibria so far
+    long fits() const { return fits_; }  // least squares of all tests of stability so far
 
     // Sets the geometry to design parameters (8 a plank), or to the piece as it is.
     void set_shape(const double* gamma);
@@ -60,8 +62,9 @@ class Furniture {
     // The first half of a test, which springs have no part in: joints, overlaps, support. Whether it goes on.
     bool hold(const double* gamma, int wanted, bool quick, DesignCheck& check);
 
-    // The second half: equilibria, and what joints bear; where asked for, the largest utilisation of each.
-    void bear(DesignCheck& check, std::vector<double>* utilisations = nullptr);
+    // The second half: equilibria, and what joints bear; where asked for, the largest utilisation of each. It ends
+    // after the first case with a flaw of `ending`.
+    void bear(DesignCheck& check, std::vector<double>* utilisations = nullptr, int ending = 0);
 
     // Whether each case has an equilibrium with springs that also pull, found from rest: what `bear` finds is so
     // balanced.
@@ -83,8 +86,8 @@ class Furniture {
     // Forces (3 each) of the contacts on their planks at the state of a case.
     std::vector<V3<double>> contact_forces(int load_case) const;
 
-    // Balances the loads of a case by forces inside the friction cones; fills them in where asked for.
-    double unbalanced_load(int load_case, std::vector<V3<double>>* forces = nullptr) const;
+    // Balances the loads of a case by forces [N] inside the friction cones; the part of them that is left.
+    double balance(int load_case, std::vector<V3<double>>& forces) const;
 
     void forget();
 
@@ -103,8 +106,15 @@ class Furniture {
     Shape<double> shape_;
     std::vector<CaseState> states_;
 
-    // Which loads the contacts of each part cannot balance.
-    void stand(DesignCheck& check);
+    // By case and part: forces in the friction cones that the last test has ended with.
+    std::vector<std::vector<ConeForce>> near_;
+    long fits_ = 0;
+
+    std::vector<int> separating_;  // numbers of axes that separate pairs of planks, as `overlaps` keeps them
+
+    // Which loads the contacts of each part cannot balance, all or the first one. A quick test begins with the forces
+    // of the last one.
+    void stand(DesignCheck& check, bool quick, bool first_only);
 
     static DesignCheck invalid(DesignCheck check);
 
@@ -122,8 +132,6 @@ class Furniture {
 
     void add_utilisation(int load_case, DesignCheck& check, std::vector<Overloaded>& most,
                          std::vector<Overloaded>& doubts, std::vector<double>* utilisations);
-
-    double unbalanced_load(const Part& part, int load_case, std::vector<V3<double>>* forces) const;
 };
 
 }  // namespace restshape::planks

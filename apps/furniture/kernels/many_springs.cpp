@@ -62,7 +62,7 @@ ManySprings::Found ManySprings::test(const double* gamma, int ending) {
 
 bool ManySprings::decide(const double* gamma, double spread) {
     DesignCheck held;
-    if (!model_.hold(gamma, every_flaw, false, held) || (held.flaws & every_flaw)) return false;
+    if (!model_.hold(gamma, every_flaw, true, held)) return false;
     // Springs of which one-sided contacts are not solved count only where no others are.
     Spread solved(joints()), sprung(joints());
     bool any_solved = false;
@@ -89,6 +89,7 @@ bool ManySprings::decide(const double* gamma, double spread) {
 }
 
 void ManySprings::forget() {
+    model_.forget();
     for (auto& cases : known_)
         for (CaseState& state : cases) state.found = false;
 }

@@ -44,8 +44,7 @@ double Mixed::energy(int load_case, const double* z) const {
 
 std::vector<double> Mixed::join(int load_case) const {
     std::vector<double> z(size());
-    const std::vector<double> d =
-        S.equilibrium.openings(S.shape, load_case, S.cases.at(load_case).law, S.cases.at(load_case).x);
+    const std::vector<double> d = S.equilibrium.openings(S.shape, S.cases.at(load_case).x);
     for (int k = 0; k < 6 * nj_; ++k) z[k] = d[k] * stiffness(k);
     const auto& x = S.cases.at(load_case).x;
     for (int i = 0; i < P.count(); ++i) std::copy_n(&x[6 * i], 6, &z[at_[i]]);

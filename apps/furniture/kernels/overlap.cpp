@@ -75,23 +75,38 @@ bool separates(const V3<double>& axis, const Body& a, const Body& b, double allo
     return std::min(high[0] - low[1], high[1] - low[0]) <= allowed * size;
 }
 
-// Whether two bodies overlap by more than `allowed` [m] along each of their separating axes: the normals of both, and
-// what is normal to an edge of each (Gottschalk, Lin and Manocha, OBBTree, 1996).
-bool overlap(const Body& a, const Body& b, double allowed) {
+// Axes along which bodies are compared, by number: the normals of both in turns, then what is normal to an edge of each
+// (Gottschalk, Lin and Manocha, OBBTree, 1996).
+constexpr int normal_axes = 10, most_edges = 6;
+
+bool separates(int number, const Body& a, const Body& b, double allowed) {
+    if (number < normal_axes) return separates((number % 2 ? b : a).normals[number / 2], a, b, allowed);
+    const int p = (number - normal_axes) / most_edges, q = (number - normal_axes) % most_edges;
+    return p < a.kinds && q < b.kinds && separates(cross(a.edges[p], b.edges[q]), a, b, allowed);
+}
+
+// Whether two bodies overlap by more than `allowed` [m] along each of their axes. The number of the axis that separates
+// them is tried first the next time; negative: none has done so yet.
+bool overlap(const Body& a, const Body& b, double allowed, int& known) {
     for (int k = 0; k < 3; ++k)
         if (std::min(a.high[k] - b.low[k], b.high[k] - a.low[k]) <= allowed) return false;
-    for (int k = 0; k < 5; ++k)
-        if (separates(a.normals[k], a, b, allowed) || separates(b.normals[k], a, b, allowed)) return false;
-    for (int p = 0; p < a.kinds; ++p)
-        for (int q = 0; q < b.kinds; ++q)
-            if (separates(cross(a.edges[p], b.edges[q]), a, b, allowed)) return false;
+    if (known >= 0 && separates(known, a, b, allowed)) return false;
+    for (int number = 0; number < normal_axes + most_edges * most_edges; ++number)
+        if (separates(number, a, b, allowed)) {
+            known = number;
+            return false;
+        }
     return true;
 }
 
 }  // namespace
 
-std::vector<std::pair<int, int>> overlaps(const Piece& piece, const Shape<double>& shape, bool first_only) {
+std::vector<std::pair<int, int>> overlaps(const Piece& piece, const Shape<double>& shape, bool first_only,
+                                          std::vector<int>* separating) {
     const int n = piece.count();
+    std::vector<int> unknown;
+    std::vector<int>& known = separating ? *separating : unknown;
+    known.resize(n * n, -1);
     const double allowed = piece.settings.interference;
     std::vector<Body> bodies;
     bodies.reserve(n);
@@ -108,7 +123,7 @@ std::vector<std::pair<int, int>> overlaps(const Piece& piece, const Shape<double
     }
     for (int i = 0; i < n; ++i)
         for (int j = i + 1; j < n; ++j) {
-            if (!overlap(bodies[i], bodies[j], allowed)) continue;
+            if (!overlap(bodies[i], bodies[j], allowed, known[i * n + j])) continue;
             found.emplace_back(i, j);
             if (first_only) return found;
         }
