@@ -12,7 +12,7 @@ class Footing {
     Footing(const Piece& piece, const Shape<double>& shape, const Part& part);
 
     // Forces of its contacts that balance the loads of a case, within a tolerance, in parts of these. It begins with
-    // forces that are near; without any it is sought anew.
+    // forces that are near; without any it is sought from nothing.
     Support support(int load_case, double tolerance, const std::vector<ConeForce>& near = {}) const;
 
     // Puts these forces [N] in the places of its contacts among all.

@@ -33,8 +33,8 @@ struct Support {
 // load: force and moment about the origin that the contacts must give.
 Support balance(const Contacts& contacts, const Wrench& load, double tolerance);
 
-// The same from forces that were found for contacts and loads near these; from none it is sought anew. So it is where
-// the search proves neither that forces balance the load, nor that none do.
+// The same from forces that were found for contacts and loads near these. It is sought as above from none, and where
+// the search from there proves neither that forces balance the load, nor that none do.
 Support balance_from(const std::vector<ConeForce>& near, const Contacts& contacts, const Wrench& load,
                      double tolerance);
 
