@@ -81,12 +81,13 @@ def digest(parts: Iterable[str | bytes]) -> str:
 # --- code ---------------------------------------------------------------------------------------------------------
 
 
-def module_path(module: str) -> Path | None:
+@cache
+def module_path(module: str, root: Path) -> Path | None:
     """The file of a module of the project; None of any other."""
     package, _, rest = module.partition(".")
     if package not in PACKAGES or not rest:
         return None
-    path = ROOT / PACKAGES[package] / rest.replace(".", "/")
+    path = root / PACKAGES[package] / rest.replace(".", "/")
     return next((p for p in (path.with_suffix(".py"), path / "__init__.py") if p.is_file()), None)
 
 
@@ -127,7 +128,7 @@ def closure(entries: Iterable[str]) -> dict[str, Path | None]:
     waiting = [module for entry in entries for module in expanded(entry)]
     while waiting:
         module = waiting.pop()
-        path = module_path(module)
+        path = None if module in found else module_path(module, ROOT)
         if module in found or (path is None and module not in KERNELS):
             continue
         found[module] = path

@@ -158,6 +158,15 @@ class SurfaceSearch:
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
         cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
     ) -> None: ...
+    def fill_lattice(
+        self,
+        origin: typing.Annotated[collections.abc.Sequence[typing.SupportsFloat | typing.SupportsIndex], "FixedSize(3)"],
+        spacing: typing.SupportsFloat | typing.SupportsIndex,
+        wanted: typing.Annotated[numpy.typing.ArrayLike, numpy.uint8],
+        values: numpy.typing.NDArray[numpy.float64],
+        whole: SurfaceSearch | None = None,
+        far: typing.SupportsFloat | typing.SupportsIndex = 2.5,
+    ) -> None: ...
     def first_hits(
         self,
         x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],

@@ -42,6 +42,24 @@ def test_of_balls_that_meet_only_what_is_outside_of_the_other_bounds():
     assert abs(distance) < 4e-3
 
 
+@pytest.mark.parametrize("way", [0.2, 0.5])
+@pytest.mark.parametrize("spacing", [2e-3, 0.013, 0.09])
+def test_a_lattice_holds_the_distances_of_its_places(way, spacing):
+    """Of two balls that meet, or not; beside the surface, far inside, far outside; where nothing is wanted, nothing."""
+    from restshape.mesh.outer_faces import body_search
+
+    search = body_search(both(ball(8, 0.2), ball(8, 0.2), way), 0.004)
+    counts, rng = (18, 21, 11), np.random.default_rng(0)
+    origin = np.array([0.1, 0.17, 0.03]) - spacing * np.array([9.1, 10.2, 5.3])
+    wanted, values = rng.random(counts) < 0.7, np.full(counts, np.nan)
+    wanted[:, :6] = False
+    search.fill_lattice(origin, spacing, wanted.view(np.uint8), values)
+    assert np.isnan(values[~wanted]).all()
+    exact, _ = search.nearest(origin + spacing * np.argwhere(wanted))
+    np.testing.assert_allclose(values[wanted], exact, rtol=0.0, atol=1e-15)
+    assert (exact < 0.0).any() and (exact > 0.0).any()
+
+
 def test_contact_ends_without_a_jump():
     """The spline is rounder than edges: beside them it is below the way beyond the box of the surface."""
     surface = ClosedSurface(*box(BLOCK), 1.0)

@@ -6,12 +6,14 @@
 #include <Eigen/Eigenvalues>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "cloth/grid_distance.hpp"
 
 #if RESTSHAPE_CGAL
+#include "cloth/lattice_distance.hpp"
 #include "cloth/surface_search.hpp"
 #endif
 
@@ -126,6 +128,20 @@ py::tuple nearest(const SurfaceSearch& surface, const Doubles& x, double far) {
     return py::make_tuple(value, place);
 }
 
+using Wanted = py::array_t<std::uint8_t, py::array::c_style>;
+using Values = py::array_t<double, py::array::c_style>;
+
+void fill_lattice(const SurfaceSearch& outer, const Vector& origin, double spacing, const Wanted& wanted,
+                  Values& values, std::optional<const SurfaceSearch*> whole, double far) {
+    if (wanted.ndim() != 3 || values.ndim() != 3) throw std::invalid_argument("a lattice has the shape (i, j, k)");
+    restshape::Lattice lattice{{origin[0], origin[1], origin[2]}, spacing, {}, wanted.data()};
+    for (int a = 0; a < 3; ++a) {
+        lattice.counts[a] = wanted.shape(a);
+        if (values.shape(a) != wanted.shape(a)) throw std::invalid_argument("values must have the shape of wanted");
+    }
+    restshape::LatticeDistance(outer, whole ? **whole : outer, far).fill(lattice, values.mutable_data());
+}
+
 py::array_t<double> winding(const SurfaceSearch& surface, const Doubles& x, double far) {
     const py::ssize_t n = points(x);
     py::array_t<double> found(n);
@@ -148,6 +164,12 @@ void bind_search(py::module_& m) {
         .def("nearest", &nearest, "x"_a, "far"_a = 2.5,
              "Signed distances (n,) [m] of places x (n, 3), negative inside, and the nearest places (n, 3) of the "
              "surface. Which side a place is on follows from its winding number, see `winding`.")
+        .def(
+            "fill_lattice", &fill_lattice, "origin"_a, "spacing"_a, "wanted"_a, py::arg("values").noconvert(),
+            "whole"_a = py::none(), "far"_a = 2.5,
+            "Puts into values (i, j, k) the signed distances [m] of places origin + spacing (i, j, k) that are wanted "
+            "(i, j, k), as `nearest` gives them; negative where the triangles of `whole`, these or others, wind around "
+            "a place.")
         .def("winding", &winding, "x"_a, "far"_a = 2.5,
              "Generalised winding numbers (n,) of the surface about places x (n, 3). Triangles that are farther away "
              "than `far` times their radius count together as a dipole; infinite: exact.")

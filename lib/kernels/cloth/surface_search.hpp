@@ -21,6 +21,18 @@
 
 namespace restshape {
 
+// The corners of a triangle.
+struct Face {
+    double x[3][3];
+};
+
+inline double square_of_distance(const Face& face, const double* y) {
+    double at[3], square = 0.0;
+    nearest_place(face.x[0], face.x[1], face.x[2], y, at);
+    for (int a = 0; a < 3; ++a) square += (y[a] - at[a]) * (y[a] - at[a]);
+    return square;
+}
+
 class SurfaceSearch {
     using Kernel = CGAL::Simple_cartesian<double>;
     using Point = Kernel::Point_3;
@@ -54,6 +66,18 @@ class SurfaceSearch {
     }
     void any_place(double* hint) const {
         for (int a = 0; a < 3; ++a) hint[a] = faces_.front()[0][a];
+    }
+
+    // Faces of which one is nearest to any place within a reach of y. Returns how far y is from the surface.
+    double within_reach(const double* y, double reach, std::vector<Face>& found) const {
+        double place[3], best = 0.0;
+        any_place(place);
+        nearest(y, place);
+        for (int a = 0; a < 3; ++a) best += (y[a] - place[a]) * (y[a] - place[a]);
+        const double far = std::sqrt(best) * (1.0 + 1e-12) + 2.0 * reach;
+        found.clear();
+        collect(clusters_[0], y, far * far, found);
+        return std::sqrt(best);
     }
 
     // Where a ray first leaves the surface behind it; infinite where it never does.
@@ -156,15 +180,33 @@ class SurfaceSearch {
         return square;
     }
 
+    void collect(const Cluster& cluster, const double* y, double most, std::vector<Face>& found) const {
+        if (before(cluster, y) > most) return;
+        if (cluster.left) {
+            collect(clusters_[cluster.left], y, most, found);
+            collect(clusters_[cluster.right], y, most, found);
+            return;
+        }
+        for (std::size_t k = cluster.first; k < cluster.last; ++k) {
+            const Face face = corners(order_[k]);
+            if (square_of_distance(face, y) <= most) found.push_back(face);
+        }
+    }
+
+    Face corners(std::size_t face) const {
+        Face found;
+        for (int i = 0; i < 3; ++i)
+            for (int a = 0; a < 3; ++a) found.x[i][a] = faces_[face][i][a];
+        return found;
+    }
+
     // Improves a place, whose squared distance is `best`; of two parts the nearer one is first.
     void nearest(const Cluster& cluster, const double* y, double* place, double& best) const {
         if (!cluster.left) {
             for (std::size_t k = cluster.first; k < cluster.last; ++k) {
-                const auto& face = faces_[order_[k]];
-                const double a[3] = {face[0][0], face[0][1], face[0][2]}, b[3] = {face[1][0], face[1][1], face[1][2]};
-                const double c[3] = {face[2][0], face[2][1], face[2][2]};
+                const Face face = corners(order_[k]);
                 double at[3];
-                nearest_place(a, b, c, y, at);
+                nearest_place(face.x[0], face.x[1], face.x[2], y, at);
                 const double way[3] = {y[0] - at[0], y[1] - at[1], y[2] - at[2]}, square = inner(way, way);
                 if (square < best) best = square, std::copy(at, at + 3, place);
             }

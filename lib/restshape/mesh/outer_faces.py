@@ -47,6 +47,10 @@ class OuterSearch:
         distance, at = self.outer.nearest(x)
         return np.where(self.whole.winding(x) > INSIDE, -1.0, 1.0) * np.abs(distance), at
 
+    def fill_lattice(self, origin: np.ndarray, spacing: float, wanted: np.ndarray, values: np.ndarray) -> None:
+        """Put distances [m] of places origin + spacing (i, j, k) [m] into values (i, j, k), where wanted (i, j, k)."""
+        self.outer.fill_lattice(origin, spacing, wanted, values, self.whole)
+
     def first_hits(self, x: np.ndarray, ways: np.ndarray) -> np.ndarray:
         """How far (n,) [m] from x (n, 3) ways (n, 3) first meet a face that bounds; infinite where never."""
         return self.outer.first_hits(x, ways)

@@ -285,6 +285,7 @@ def make_distance(
         if spacing or error <= GOAL or attempt == TRIES - 1 or not _fits(surface, step / REFINED, band):
             break
         step /= REFINED
+    _bound(search, surface, made)
     facts = DistanceFacts(
         surface.unit, surface.guessed, surface.turned, len(surface.cells), surface.holes, step,
         float(made["band"]), error, usual, made["fine"].nbytes,
@@ -349,48 +350,64 @@ def _sampled(search: Search, surface: ClosedSurface, spacing: float, band: float
     made: Made = {
         "origin": origin, "spacing": np.array(spacing), "bricks": bricks, "low": low, "high": high,
         "band": np.array(band),
-        "table": np.full_like(table, INSIDE), "coarse": spline_filter(corners, order=3, mode="mirror"),
-        "fine": np.empty((0, NODES, NODES, NODES), np.float32),
-        "bent": np.empty(0), "numbers": np.array([1.0, 1.0, 1.0, 0.0]),
+        "table": table, "coarse": spline_filter(corners, order=3, mode="mirror"), "bent": np.zeros(inner.sum()),
+        # The second is the depth of the body, until its bounds are known.
+        "numbers": np.array([1.0, -min(float(middles.min()), float(corners.min())), 1.0, 0.0]),
     }  # fmt: skip
-    places = np.argwhere(inner.reshape(bricks)) * CELLS
-    steepest, above = _beyond_band(search, _grid(made), made)
-    values = _values(search, _grid(made), made, places, counts)
+    values = _values(search, made, _places(made), counts)
     spline_filter(values, order=3, output=values, mode="mirror")
     # In bricks x runs fastest.
-    made["fine"] = np.stack([values[_brick(at)].transpose(2, 1, 0) for at in places]).astype(np.float32)
-    made["table"], made["bent"] = table, np.zeros(len(places))
-    depth = -min(float(middles.min()), float(corners.min()))
-    made["bent"], measured = _measured(_grid(made), made, places, _thin(search, surface, depth), steepest)
+    made["fine"] = np.stack([values[_brick(at)].transpose(2, 1, 0) for at in _places(made)]).astype(np.float32)
+    return made
+
+
+def _bound(search: Search, surface: ClosedSurface, made: Made) -> None:
+    """Put what bounds distances, their slopes and their curvature into the arrays of a grid."""
+    depth = float(made["numbers"][1])
+    steepest, above = _beyond_band(search, _grid(_without_bricks(made)), made)
+    made["bent"], measured = _measured(_grid(made), made, _thin(search, surface, depth), steepest)
     made["numbers"] = np.append(measured, SPARE * above)
     # Farther beyond this box than a distance no place has a smaller one: contact ends there without a jump.
-    lower = SPARE * _below_box(_grid(made), made, places)
-    made["low"], made["high"] = low - lower, high + lower
-    return made
+    lower = SPARE * _below_box(_grid(made), made)
+    made["low"], made["high"] = made["low"] - lower, made["high"] + lower
+
+
+def _without_bricks(made: Made) -> Made:
+    """The arrays of the coarse grid alone."""
+    bare = {"table": np.full_like(made["table"], INSIDE), "fine": made["fine"][:0], "bent": made["bent"][:0]}
+    return made | bare
+
+
+def _places(made: Made) -> np.ndarray:
+    """The first cell (k, 3) of each brick that is stored."""
+    return np.argwhere(made["table"].reshape(made["bricks"]) >= 0) * CELLS
 
 
 def _brick(at: np.ndarray) -> tuple[slice, ...]:
     return tuple(slice(k, k + NODES) for k in at)
 
 
-def _values(
-    search: Search, coarse: _kernels.GridDistance, made: Made, places: np.ndarray, counts: np.ndarray
-) -> np.ndarray:
+def _values(search: Search, made: Made, places: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """The distance on the whole even grid: exact in the bricks, of the coarse grid elsewhere."""
-    origin, spacing = made["origin"] - made["spacing"], float(made["spacing"])
-    inside = made["origin"], made["origin"] + (1.0 - 1e-9) * CELLS * spacing * made["bricks"]
     near = np.zeros(counts, dtype=bool)
     for at in places:
         near[tuple(slice(max(k - AROUND, 0), k + NODES + AROUND) for k in at)] = True
-    values = np.empty(counts)
-    for k in range(counts[0]):
-        plane = _lattice(origin + np.array([k * spacing, 0.0, 0.0]), spacing, np.array([1, *counts[1:]]))
-        own = near[k].ravel()
-        found = np.empty(len(plane))
-        found[own] = search.nearest(plane[own])[0] if own.any() else 0.0
-        # The outermost places lie beyond the box.
-        found[~own] = coarse.values(np.clip(plane[~own], *inside))
-        values[k] = found.reshape(counts[1:])
+    values = _of_coarse_grid(made, counts)
+    search.fill_lattice(made["origin"] - made["spacing"], float(made["spacing"]), near.view(np.uint8), values)
+    return values
+
+
+def _of_coarse_grid(made: Made, counts: np.ndarray) -> np.ndarray:
+    """The distance of the coarse grid on the whole even grid, whose outermost places take those of the box's faces."""
+    from scipy.interpolate import BSpline
+
+    values = made["coarse"]
+    # The last axis is the first to grow, and then the last: each product has the axes in turn.
+    for count, bricks in zip(counts[::-1], made["bricks"][::-1]):
+        at = np.clip((np.arange(count) - 1.0) / CELLS, 0.0, bricks)
+        weights = BSpline.design_matrix(at, np.arange(-3.0, bricks + 4.0), 3)
+        first, second, last = values.shape
+        values = (weights @ values.reshape(-1, last).T).reshape(count, first, second)
     return values
 
 
@@ -409,13 +426,13 @@ def _beyond_band(search: Search, coarse: _kernels.GridDistance, made: Made) -> t
     return float(found[beyond, 1].max(initial=1.0)), float(above)
 
 
-def _below_box(grid: _kernels.GridDistance, made: Made, places: np.ndarray) -> float:
+def _below_box(grid: _kernels.GridDistance, made: Made) -> float:
     """How much smaller the distance is than the way beyond a face of the surface's box, at most [m].
 
     Between the places that the spline takes values of, where it is exact: it is rounder than edges.
     """
     half, found = 0.5 * float(made["spacing"]), 0.0
-    for at in places:
+    for at in _places(made):
         corner = made["origin"] + 2.0 * half * at
         if np.all((corner > made["low"]) & (corner + 2.0 * CELLS * half < made["high"])):
             continue
@@ -426,14 +443,13 @@ def _below_box(grid: _kernels.GridDistance, made: Made, places: np.ndarray) -> f
     return found
 
 
-def _measured(
-    grid: _kernels.GridDistance, made: Made, places: np.ndarray, thin: float, steepest: float
-) -> tuple[np.ndarray, np.ndarray]:
+def _measured(grid: _kernels.GridDistance, made: Made, thin: float, steepest: float) -> tuple[np.ndarray, np.ndarray]:
     """How much the distance curves downwards in each brick [1/m], and the longest gradient, `thin`, and `sharpest`.
 
     Measured at corners of cells; `steepest` is the longest gradient elsewhere.
     """
-    spacing, bent = float(made["spacing"]), np.zeros(len(places))
+    spacing, places = float(made["spacing"]), _places(made)
+    bent = np.zeros(len(places))
     longest, round_ = max(1.0, steepest), 0.0
     for k, at in enumerate(places):
         found = grid.shapes(_lattice(made["origin"] + spacing * (at + 1e-6), (1.0 - 1e-6) * spacing, np.full(3, 9)))
