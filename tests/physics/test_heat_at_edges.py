@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from flow_scenes import CHANNEL
 from restshape_studies.stability.scenery import block, drag, make_replay, set_value, write_scene, write_script
 from restshape_verification.flow.heated_scenes import HEAD
+from restshape_verification.flow.scenes import STEADY
 from thermal_scenes import solved
 
 from restshape.errors import UserError
@@ -126,3 +128,22 @@ gives = {{ heat_flow = true, at = "left" }}
     assert min(one.min() for one in found) > 0.0
     moving = slice(1, 6)
     np.testing.assert_allclose(found[0][moving], found[1][moving], rtol=0.35, atol=2e-4)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_edges_that_meet_share_the_heat_of_their_corner(tmp_path, order):
+    """T = 300 K + x y (K/m^2) is harmonic: half a watt passes through each side of a square of 1 m."""
+    sides = ("left", "right", "bottom", "top")
+    supports = "".join(f'[supports.{on}]\non = "{on}"\nfix = {{ temperature = "300 + x*y" }}\n' for on in sides)
+    quantities = "".join(f'{on} = {{ heat_flow = true, at = "{on}" }}\n' for on in sides)
+    text = f"{HEAD}{block()}[material.m]\nconductivity = 1\n{supports}[mesh]\nsize = 0.2\norder = {order}\n"
+    row = solved(tmp_path, f"{text}[quantities]\n{quantities}").row
+    assert [row[f"q_{on}"] for on in sides] == pytest.approx([0.5, -0.5, 0.5, -0.5], rel=2e-3)
+    assert sum(row[f"q_{on}"] for on in sides) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_wall_beside_an_inlet_has_its_own_drag(tmp_path):
+    """Of Poiseuille's flow: the pressure of the inlet, 8 mu u L / H^2 = 2.4 Pa, is none of the wall's friction."""
+    quantities = '[quantities]\nwall = { drag = true, at = "bottom" }\ninlet = { drag = true, at = "inlet" }\n'
+    row = solved(tmp_path, f"{CHANNEL}{STEADY}[mesh]\nsize = 0.1\n{quantities}").row
+    assert (row["q_wall"], row["q_inlet"]) == pytest.approx((1.2, -2.4), rel=0.015)

@@ -15,13 +15,17 @@ class EdgeReactions:
     """Which nodes have reactions that pass through an edge, and which part of each.
 
     Only sides on which supports prescribe the unknown pass a reaction. A node where several of them meet has one
-    reaction: each edge has as much of it as it has of the lengths that stand for the node, so that what passes through
-    all edges is the sum of all reactions.
+    reaction. Each edge has what the nearest node of its own says that passes through it by a length there, and of the
+    rest of the reaction as much as it has of the lengths that stand for the node. So what passes through all edges is
+    the sum of all reactions.
 
     Args:
         space: whose nodes may move.
         edge: an entity on the border.
         supported: entities on which supports prescribe the unknown.
+
+    Attributes:
+        nodes: (k,) whose reactions count.
 
     Raises:
         UserError: the edge is not on the border, so that nothing leaves there.
@@ -31,17 +35,35 @@ class EdgeReactions:
         _require_border(space, edge)
         sides = [space.facets_of(name) for name in supported]
         fixed = np.unique(np.concatenate(sides)) if sides else np.empty(0, dtype=np.int32)
+        own = np.intersect1d(fixed, space.facets_of(edge))
         self.space = space
-        self._fixed, self._own = space.facets[fixed], space.facets[np.intersect1d(fixed, space.facets_of(edge))]
-        self.nodes = np.unique(self._own)
+        self._own, self._others = space.facets[own], space.facets[np.setdiff1d(fixed, own)]
+        self._met = np.intersect1d(self._own, self._others)
+        self._near = [(node, *(self._nearest(node, one) for one in (self._own, self._others))) for node in self._met]
+        beside = [node for _, *ends in self._near for node in ends]
+        self.nodes = np.unique(np.concatenate([self._own.ravel(), np.array(beside, dtype=np.int32)]))
 
     def parts(self) -> np.ndarray:
         """The part (k,) of each node's reaction, on the mesh as it lies."""
-        mine, all_of_it = (
-            np.bincount(sides.ravel(), facet_weights(self.space.X, sides).ravel(), len(self.space.X))[self.nodes]
-            for sides in (self._own, self._fixed)
-        )
-        return mine / all_of_it
+        own, others = (self._lengths(sides) for sides in (self._own, self._others))
+        parts = np.zeros(len(self.space.X))
+        parts[self._own] = 1.0
+        parts[self._met] = own[self._met] / (own + others)[self._met]
+        for node, mine, another in self._near:
+            share = parts[node]
+            if mine not in self._met and another not in self._met:
+                parts[mine] += (1.0 - share) * own[node] / own[mine]
+                parts[another] -= share * others[node] / others[another]
+        return parts[self.nodes]
+
+    def _nearest(self, node: int, sides: np.ndarray) -> int:
+        """The node beside one on the first of the sides that it is on: the middle of a facet that has one."""
+        facet = sides[np.flatnonzero((sides == node).any(axis=1))[0]]
+        return int(facet[2] if len(facet) == 3 and facet[2] != node else facet[facet != node][0])
+
+    def _lengths(self, sides: np.ndarray) -> np.ndarray:
+        """Lengths (n,) that stand for the nodes of sides."""
+        return np.bincount(sides.ravel(), facet_weights(self.space.X, sides).ravel(), len(self.space.X))
 
 
 def _require_border(space: PlaneSpace, edge: str) -> None:
