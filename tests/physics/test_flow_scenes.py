@@ -10,6 +10,7 @@ from thermal_scenes import solved
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.flow.flow_conditions import unbalanced, unequal
+from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 
@@ -101,6 +102,33 @@ def test_a_steady_flow_cannot_become_one_in_time(tmp_path):
     text, script = CYLINDER + STEADY + MESH, write_script(tmp_path, set_value("effects.flow", {"time_step": 0.1}))
     rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), script).frames()]
     assert "steady, or unsteady, during an edit" in rows[-1]["refused"]
+
+
+CONDITIONS = [
+    ("body", "slip", "wall"),
+    ("body", "wall", "slip"),
+    ("body", "outflow", "slip"),
+    ("top", "slip", "outflow"),
+]
+
+
+@pytest.mark.parametrize("effects", [STEADY, in_time(1.0, "backward_euler", 4)], ids=["steady", "in time"])
+@pytest.mark.parametrize(("edge", "before", "after"), CONDITIONS)
+def test_an_edge_takes_another_condition_during_an_edit(tmp_path, effects, edge, before, after):
+    """The flow is that of the scene with this condition, and of a cold solve."""
+    quantities = '[quantities]\nout = { flux = true, at = "outlet" }\nspeed = { speed = true, reduce = "mean" }\n'
+    table = f'[boundary.other]\non = "{edge}"\n'
+    text = f"{CYLINDER}{table}{before} = true\n{effects}{MESH}{quantities}"
+    edits = [*set_value("boundary.other", {"on": edge, after: True}), {"do": "idle", "frames": 3}]
+    replay = make_replay(write_scene(tmp_path, text), write_script(tmp_path, edits))
+    check = Parity(replay)
+    rows = [(dict(row), check())[0] for row in replay.frames()]
+    assert check.summary()["holds"] and not any(row["refused"] for row in rows)
+    idle = write_script(tmp_path, [{"do": "idle", "frames": 4}])
+    scene = write_scene(tmp_path, text.replace(f"{table}{before}", f"{table}{after}"))
+    fresh = [dict(row) for row in make_replay(scene, idle).frames()][-1]
+    for name in ("q_out", "q_speed"):
+        assert rows[-1][name] == pytest.approx(fresh[name], rel=1e-4 if effects == STEADY else 0.02)
 
 
 def test_an_inflow_that_depends_on_the_time(tmp_path):

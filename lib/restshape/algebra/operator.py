@@ -27,6 +27,13 @@ class CellSubset:
     cells: Indices
 
 
+def same_blocks(some: Sequence[Block], others: Sequence[Block]) -> bool:
+    """Whether blocks hold the same entities in the same order."""
+    pairs = [[one if isinstance(one, tuple) else (one,) for one in blocks] for blocks in (some, others)]
+    alike = [len(a) == len(b) and all(map(np.array_equal, a, b)) for a, b in zip(*pairs)]
+    return len(some) == len(others) and all(alike)
+
+
 MatrixTerm = tuple[int | CellSubset, _kernels.Element, Reals, Reals, Reals, float, *tuple[float | Reals, ...]]
 """Block or cells of one, element, X, x, parameters, coefficient[, residual factor[, nodal coefficients]] of a term."""
 
@@ -62,7 +69,7 @@ class Operator:
         self.backend = backend or "csr"
         self.core = _kernels.Operator(comm.size > 1, fields, offsets.tolist(), comm.rank, self.backend)
         self.mat = PETSc.Mat()
-        self._generation, self.version = -1, 0
+        self._generation, self.version, self.slides = -1, 0, False
 
     def set_topology(self, blocks: Sequence[Block], mask: Bytes) -> None:
         """Make a new pattern for blocks of cells (ne, nn) int32; `mask` (n * f,) uint8 marks constrained unknowns.
@@ -85,6 +92,7 @@ class Operator:
             kept: (k, 3) components xx, xy and yy of each projection.
         """
         self.version += 1
+        self.slides = len(nodes) > 0
         self.core.set_sliding(nodes, kept)
 
     def patch(self, block: int, changed: Indices) -> None:

@@ -60,6 +60,8 @@ class ResidualEquations:
         self._evaluated += self.problem.varies
         if sliding := self.problem.boundary.sliding:
             self.operator.set_sliding(sliding.nodes, sliding.kept)
+        elif self.operator.slides:
+            self.operator.set_sliding(np.empty(0, dtype=np.int32), np.empty((0, 3)))
         dead_loads(self.problem, self.dead)
 
     def constrain(self, rows: np.ndarray) -> None:

@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
-from restshape.algebra.operator import Operator
+from restshape.algebra.operator import Operator, same_blocks
 from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
 from restshape.analysis.beside import solution_beside
@@ -383,10 +383,11 @@ class SteadyAnalysis(Timeless, Generic[P]):
                 system = self._make_system(problem)
             else:
                 system = before.system
-                if problem.space is before.space:
+                if problem.space is before.space and same_blocks(problem.blocks(), before.problem.blocks()):
                     system.operator.set_constraints(problem.boundary.mask)
                 else:
-                    # Unknowns that are numbered over the mesh are numbered by each problem's own space.
+                    # Unknowns that are numbered over the mesh are numbered by each problem's own space; conditions with
+                    # facets of their own may have gone to others.
                     system.operator.set_topology(problem.blocks(), problem.boundary.mask)
         x = before.x
         if new_mesh:
