@@ -46,6 +46,8 @@ IN_TIME = {
 """Elements by what advects the velocity."""
 
 
+STILL = 1e-9
+"""Of the speed at which friction spreads over a cell, a velocity that is none."""
 SMALLEST = 1e-9
 """Part of a temperature that is no difference."""
 
@@ -169,9 +171,14 @@ class HeatedFlow(IncompressibleFlow):
         return Scales(momentum, momentum / self.continuity, heat)
 
     def usual(self, x: np.ndarray) -> list[tuple[int, float]]:
-        """Of velocity [m/s], pressure [Pa] and temperature [K] at x (n, 4) the columns, and what is usual of each."""
-        scales, size = self.scales(x), self.size
-        return [(2, scales.volume / size), (1, scales.momentum / size), (1, max(self._span, SMALLEST * self.neutral))]
+        """Of velocity [m/s], pressure [Pa] and temperature [K] at x (n, 4) the columns, and what is usual of each.
+
+        Where nothing moves the fluid velocities are rounding, and as small beside that at which friction spreads.
+        """
+        scales, size, mu = self.scales(x), self.size, self.fluid.mu
+        speed = max(scales.volume / size, STILL * mu / (self.fluid.rho * size))
+        pressure = max(scales.momentum / size, mu / size * speed)
+        return [(2, speed), (1, pressure), (1, max(self._span, SMALLEST * self.neutral))]
 
     def fields(self, x: np.ndarray) -> Fields:
         """Velocity [m/s], pressure [Pa], speed [m/s] and temperature [K] of the nodes, at x (n, 4)."""
