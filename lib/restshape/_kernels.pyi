@@ -116,6 +116,7 @@ __all__: list[str] = [
     "thickness_stretch",
     "total_area",
     "triad_seconds",
+    "triangle_energies",
     "triangle_stress",
     "update_friction",
     "von_mises",
@@ -635,6 +636,17 @@ class PatchRecovery:
         count: typing.SupportsInt | typing.SupportsIndex,
     ) -> None: ...
     def follow(self, cells: numpy.typing.NDArray[numpy.int32], rows: numpy.typing.NDArray[numpy.int32]) -> None: ...
+    def triangles(
+        self,
+        X: numpy.typing.NDArray[numpy.float64],
+        x: numpy.typing.NDArray[numpy.float64],
+        params: numpy.typing.NDArray[numpy.float64],
+        plane_stress: bool,
+        energy: numpy.typing.NDArray[numpy.float64],
+        stress: numpy.typing.NDArray[numpy.float64] | None,
+        nodal: numpy.typing.NDArray[numpy.float64] | None,
+        equivalent: numpy.typing.NDArray[numpy.float64] | None,
+    ) -> None: ...
 
 def add_friction(
     x: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
@@ -1075,6 +1087,12 @@ def triad_seconds(
     passes: typing.SupportsInt | typing.SupportsIndex,
     runs: typing.SupportsInt | typing.SupportsIndex,
 ) -> float: ...
+def triangle_energies(
+    X: numpy.typing.NDArray[numpy.float64],
+    x: numpy.typing.NDArray[numpy.float64],
+    cells: numpy.typing.NDArray[numpy.int32],
+    params: numpy.typing.NDArray[numpy.float64],
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def triangle_stress(
     X: numpy.typing.NDArray[numpy.float64],
     x: numpy.typing.NDArray[numpy.float64],

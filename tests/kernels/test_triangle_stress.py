@@ -30,6 +30,7 @@ def test_a_uniform_strain_has_its_stress_and_energy():
     work = 0.5 * (sigma * STRAIN).sum() * THICKNESS
     assert energy.sum() == pytest.approx(work * _kernels.total_area(X, cells), rel=1e-10)
     assert not _kernels.triangle_stress(X, x, cells, PARAMETERS, True)[0][:, 3].any()
+    np.testing.assert_array_equal(_kernels.triangle_energies(X, x, cells, PARAMETERS), energy)
 
 
 @pytest.mark.parametrize("each", [False, True])

@@ -50,6 +50,22 @@ def test_the_compiled_check_agrees_with_numpy(X):
         assert lowest == pytest.approx(min(expected.min(initial=1.0), 1.0), abs=1e-9)
 
 
+@pytest.mark.parametrize("height", [0.8, 0.3, 1e-9, 0.0, -0.2])
+def test_one_triangle_among_many_good_ones_is_found(height):
+    """Wherever it is: where others are passed over without a root, and among the last that fill no register."""
+    good = EQUILATERAL * 1.1 ** np.random.default_rng(2).uniform(size=(3, 2))
+    worse = EQUILATERAL * (1.0, height / EQUILATERAL[2, 1])
+    for place in (0, 1, 7, 8, 29, 98):
+        X = np.tile(good, (99, 1))
+        X[3 * place : 3 * place + 3] = worse
+        cells = np.arange(297, dtype=np.int32).reshape(-1, 3)
+        expected = qualities(X, cells)
+        for floor in (-1.0, 0.0, 0.3, 0.95, 2.0):
+            found = _kernels.check_cells(X, cells, 0.0, floor)
+            assert found[0] == pytest.approx(expected.min(), abs=1e-14)
+            assert found[1:] == (int(height <= 0.0), np.sum(~(expected >= floor)))
+
+
 def test_a_coordinate_that_is_no_number_counts_as_inverted():
     X = EQUILATERAL.copy()
     X[1, 0] = np.nan

@@ -44,13 +44,23 @@ def test_each_material_has_its_own_stress_at_their_border(tmp_path):
     assert row["q_border_most"] == pytest.approx(1e8, rel=1e-9)
 
 
-def test_linear_stresses_are_recovered_exactly_at_inner_and_boundary_nodes():
+def grid(side, rng):
+    """Nodes (side^2, 2) of a square, many of them in random order, and triangles; which nodes are inside."""
+    places = np.array([(i, j) for j in range(side) for i in range(side)], dtype=float)
+    inner = (places > 0).all(axis=1) & (places < side - 1).all(axis=1)
+    X = places + np.where(inner[:, None], rng.uniform(-0.25, 0.25, places.shape), 0.0)
+    corners = [j * side + i for j in range(side - 1) for i in range(side - 1)]
+    quads = np.array([(k, k + 1, k + side + 1, k + side) for k in corners])
+    cells = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    order = rng.permutation(len(X)) if len(X) > 2048 else np.arange(len(X))
+    return X[np.argsort(order)], np.ascontiguousarray(order[cells], dtype=np.int32), inner[np.argsort(order)]
+
+
+@pytest.mark.parametrize("side", [7, 70])
+def test_linear_stresses_are_recovered_exactly_at_inner_and_boundary_nodes(side):
+    """Of few nodes, and of so many that they are taken in blocks, neighbours in different ones."""
     rng = np.random.default_rng(3)
-    grid = np.array([(i, j) for j in range(7) for i in range(7)], dtype=float)
-    inner = (grid > 0).all(axis=1) & (grid < 6).all(axis=1)
-    X = grid + np.where(inner[:, None], rng.uniform(-0.25, 0.25, grid.shape), 0.0)
-    quads = np.array([(j * 7 + i, j * 7 + i + 1, j * 7 + i + 8, j * 7 + i + 7) for j in range(6) for i in range(6)])
-    cells = np.ascontiguousarray(np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]), dtype=np.int32)
+    X, cells, inner = grid(side, rng)
     slopes = rng.normal(size=(3, 4))
 
     def field(places):
@@ -62,7 +72,50 @@ def test_linear_stresses_are_recovered_exactly_at_inner_and_boundary_nodes():
     # The two corners that only one triangle touches have no inner node beside them where the diagonal cuts them off.
     near = np.isin(np.arange(len(X)), np.unique(cells[np.isin(cells, np.flatnonzero(inner)).any(axis=1)]))
     assert near.sum() >= len(X) - 2
-    assert np.abs(out - field(X))[near].max() < 1e-12
+    assert np.abs(out - field(X))[near].max() < 1e-12 * side**2
+
+
+@pytest.mark.parametrize("each", [False, True])
+@pytest.mark.parametrize("jumps", [False, True])
+def test_one_loop_over_triangles_gives_the_bits_of_one_after_the_other(each, jumps):
+    """Stresses, energies, recovered stresses and von Mises' of them, of all triangles and of two materials."""
+    rng = np.random.default_rng(5)
+    X, cells, _ = grid(60, rng)
+    x, parameters = rng.normal(size=X.shape), np.array([3.0, 5.0, 0.5, 0.1, 0.2])
+    if each:
+        parameters = parameters * rng.uniform(0.5, 2.0, (len(cells), 1))
+    rows, count = cells, len(X)
+    if jumps:
+        rows, count = cells.copy(), 2 * len(X)
+        rows[len(cells) // 3 :] += len(X)
+    patches = _kernels.PatchRecovery(cells, rows, count)
+    for plane_stress in (True, False):
+        stress, energy = _kernels.triangle_stress(X, x, cells, parameters, plane_stress)
+        nodal = np.empty((count, 4))
+        patches(X, stress, nodal)
+        found = [np.full(shape, np.nan) for shape in ((len(cells),), (len(cells), 4), (count, 4), (count,))]
+        patches.triangles(X, x, parameters, plane_stress, *found)
+        for one, expected in zip(found, (energy, stress, nodal, _kernels.von_mises(nodal))):
+            np.testing.assert_array_equal(one, expected)
+        some = [np.full_like(one, np.nan) for one in found]
+        patches.triangles(X, x, parameters, plane_stress, some[0], None, None, some[3])
+        np.testing.assert_array_equal(some[0], energy)
+        np.testing.assert_array_equal(some[3], found[3])
+
+
+def test_results_without_room_are_refused():
+    X, cells, _ = grid(7, np.random.default_rng(1))
+    patches, x = _kernels.PatchRecovery(cells, cells, len(X)), np.zeros_like(X)
+    energy, parameters = np.empty(len(cells)), np.ones(5)
+    with pytest.raises(ValueError, match="all nodes"):
+        patches.triangles(X[:-1].copy(), x, parameters, True, energy, None, None, None)
+    with pytest.raises(ValueError, match=r"x must be \(n, 2\)"):
+        patches.triangles(X, x[:-1].copy(), parameters, True, energy, None, None, None)
+    with pytest.raises(ValueError, match="params"):
+        patches.triangles(X, x, parameters[:3].copy(), True, energy, None, None, None)
+    for wrong in ((np.empty(4), None, None), (None, np.empty(4), None), (None, None, np.empty(4))):
+        with pytest.raises(ValueError, match="as many numbers"):
+            patches.triangles(X, x, parameters, True, energy, *wrong)
 
 
 def test_patches_of_cells_that_do_not_fit_are_refused():

@@ -94,9 +94,18 @@ std::pair<py::array_t<double>, py::array_t<double>> triangle_stress(const Reals&
     const int stride = checked_triangles(X, x, cells, params, 3);
     const py::ssize_t ne = cells.shape(0);
     py::array_t<double> stress({ne, py::ssize_t(4)}), energy(ne);
-    restshape::triangle_stress(X.data(), x.data(), cells.data(), ne, params.data(), stride, plane_stress,
-                               stress.mutable_data(), energy.mutable_data());
+    const restshape::Triangles on{X.data(), x.data(), cells.data(), params.data(), stride, plane_stress};
+    restshape::triangle_stress(on, static_cast<int32_t>(ne), stress.mutable_data(), energy.mutable_data());
     return {stress, energy};
+}
+
+py::array_t<double> triangle_energies(const Reals& X, const Reals& x, const Ints& cells, const Reals& params) {
+    const int stride = checked_triangles(X, x, cells, params, 3);
+    const py::ssize_t ne = cells.shape(0);
+    py::array_t<double> energy(ne);
+    const restshape::Triangles on{X.data(), x.data(), cells.data(), params.data(), stride, false};
+    restshape::triangle_stress(on, static_cast<int32_t>(ne), nullptr, energy.mutable_data());
+    return energy;
 }
 
 py::array_t<double> quadratic_stress(const Reals& X, const Reals& x, const Ints& cells, const Reals& params,
@@ -117,8 +126,8 @@ py::array_t<double> von_mises(const Reals& stress) {
     const double* s = stress.data();
     double* found = out.mutable_data();
     for (py::ssize_t k = 0; k < n; ++k, s += 4) {
-        const double a = s[0] - s[1], b = s[1] - s[3], c = s[3] - s[0];
-        found[k] = std::sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * s[2] * s[2]);
+        const double state[] = {s[0], s[1], s[2], s[3]};
+        found[k] = restshape::equivalent_stress(state);
     }
     return out;
 }
@@ -136,6 +145,8 @@ void bind_thickness(py::module_& m) {
           "Stresses (ne, 4), xx yy xy zz [Pa], and strain energies (ne,) [J] of triangles of first order at the "
           "displacement x (n, 2), as `linear_elastic_tri3` has them with params (5,) or (ne, 5); in plane stress zz is "
           "0.");
+    m.def("triangle_energies", &triangle_energies, py::arg("X").noconvert(), py::arg("x").noconvert(),
+          py::arg("cells").noconvert(), py::arg("params").noconvert(), "The same strain energies (ne,) alone.");
     m.def("quadratic_stress", &quadratic_stress, py::arg("X").noconvert(), py::arg("x").noconvert(),
           py::arg("cells").noconvert(), py::arg("params").noconvert(), py::arg("points").noconvert(),
           "Stresses (ne, m, 4), xx yy xy zz [Pa], of triangles of second order at reference coordinates points (m, 2) "

@@ -2,29 +2,15 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
+#include "fem/corners.hpp"
 #include "fem/element.hpp"
 #include "fem/pack.hpp"
 
 namespace restshape {
-
-// First and second coordinates of the nodes that a corner has in several cells, from (n, 2).
-[[gnu::always_inline]] inline void corner_of(const double* places, const int32_t* const (&cells)[pack_lanes],
-                                             int corner, Pack& first, Pack& second) {
-    using Pair = double __attribute__((vector_size(2 * sizeof(double))));
-    Pair pairs[pack_lanes];
-#pragma GCC unroll 8
-    for (int lane = 0; lane < pack_lanes; ++lane)
-        std::memcpy(&pairs[lane], places + 2 * static_cast<size_t>(cells[lane][corner]), sizeof(Pair));
-    const auto join = [&](int k) { return __builtin_shufflevector(pairs[k], pairs[k + 1], 0, 2, 1, 3); };
-    const auto low = __builtin_shufflevector(join(0), join(2), 0, 1, 4, 5, 2, 3, 6, 7);
-    const auto high = __builtin_shufflevector(join(4), join(6), 0, 1, 4, 5, 2, 3, 6, 7);
-    first = __builtin_shufflevector(low, high, 0, 1, 2, 3, 8, 9, 10, 11);
-    second = __builtin_shufflevector(low, high, 4, 5, 6, 7, 12, 13, 14, 15);
-}
 
 // What `triangle_stress` finds of several cells: their stresses by components, and energies.
 struct PackedStress {
@@ -47,35 +33,78 @@ struct PackedStress {
     return {twice_mu * exx + volumetric, twice_mu * eyy + volumetric, twice_mu * exy, volumetric, energy};
 }
 
-// X, x (n, 2); cells (ne, 3); parameters of the element, one row where `stride` is 0. Writes stress (ne, 4): xx, yy,
-// xy, zz, of which zz is 0 in plane stress, and energy (ne,).
-inline void triangle_stress(const double* X, const double* x, const int32_t* cells, std::ptrdiff_t ne,
-                            const double* parameters, int stride, bool plane_stress, double* stress, double* energy) {
-    constexpr int known = 5;
-    Pack p[known] = {};
-    for (int lane = 0; lane < pack_lanes && ne; ++lane) set_lane(p, lane, parameters, known);
-    for (std::ptrdiff_t first = 0; first < ne; first += pack_lanes) {
-        const int filled = static_cast<int>(std::min<std::ptrdiff_t>(pack_lanes, ne - first));
-        const int32_t* corners[pack_lanes];
-        for (int lane = 0; lane < pack_lanes; ++lane) {
-            // Lanes beyond the last cell repeat it.
-            const std::ptrdiff_t e = first + std::min(lane, filled - 1);
-            corners[lane] = cells + 3 * e;
-            if (stride) set_lane(p, lane, parameters + e * stride, known);
+// Triangles with corners X (n, 2) at displacements x (n, 2): cells (ne, 3), parameters of the element, one row where
+// `stride` is 0, and whether they are in plane stress, where zz is 0.
+struct Triangles {
+    const double *X, *x;
+    const int32_t* cells;
+    const double* parameters;
+    int stride;
+    bool plane_stress;
+};
+
+// Finds stresses and energies of several of them at once.
+class TriangleLoop {
+ public:
+    explicit TriangleLoop(const Triangles& on) : on_(on) {
+        for (int lane = 0; lane < pack_lanes; ++lane) set_lane(same_, lane, on.parameters, known);
+    }
+
+    // Of cells with these nodes, a lane each, and their places; cell(lane) has the lane's row of parameters.
+    template <class Cell>
+    [[gnu::always_inline]] PackedStress stress(const int32_t* const (&nodes)[pack_lanes], const Pack (&corners)[2][3],
+                                               const Cell& cell) const {
+        Pack x[2][3];
+        for (int i = 0; i < 3; ++i) corner_of(on_.x, nodes, i, x[0][i], x[1][i]);
+        PackedStress found;
+        if (on_.stride) {
+            Pack own[known];
+            for (int lane = 0; lane < pack_lanes; ++lane)
+                set_lane(own, lane, on_.parameters + static_cast<size_t>(cell(lane)) * on_.stride, known);
+            found = stress_of_triangles(corners, x, own);
+        } else {
+            found = stress_of_triangles(corners, x, same_);
         }
-        Pack Xe[2][3], xe[2][3];
-        for (int i = 0; i < 3; ++i) {
-            corner_of(X, corners, i, Xe[0][i], Xe[1][i]);
-            corner_of(x, corners, i, xe[0][i], xe[1][i]);
-        }
-        PackedStress found = stress_of_triangles(Xe, xe, p);
-        if (plane_stress) found.zz = Pack{};
+        if (on_.plane_stress) found.zz = Pack{};
+        return found;
+    }
+
+ private:
+    static constexpr int known = 5;
+    Triangles on_;
+    Pack same_[known] = {};
+};
+
+// Of all ne cells: writes energy (ne,), and stress (ne, 4), xx, yy, xy, zz, unless it is null.
+inline void triangle_stress(const Triangles& on, int32_t ne, double* stress, double* energy) {
+    if (ne == 0) return;
+    const TriangleLoop loop(on);
+    for (int32_t first = 0; first < ne; first += pack_lanes) {
+        const int filled = std::min(pack_lanes, ne - first);
+        // Lanes beyond the last cell repeat it.
+        const auto cell = [&](int lane) { return first + std::min(lane, filled - 1); };
+        const int32_t* nodes[pack_lanes];
+        for (int lane = 0; lane < pack_lanes; ++lane) nodes[lane] = on.cells + 3 * static_cast<size_t>(cell(lane));
+        Pack X[2][3];
+        for (int i = 0; i < 3; ++i) corner_of(on.X, nodes, i, X[0][i], X[1][i]);
+        const PackedStress found = loop.stress(nodes, X, cell);
         for (int lane = 0; lane < filled; ++lane) {
-            double* to = stress + 4 * (first + lane);
-            to[0] = found.xx[lane], to[1] = found.yy[lane], to[2] = found.xy[lane], to[3] = found.zz[lane];
             energy[first + lane] = found.energy[lane];
+            if (!stress) continue;
+            double* to = stress + 4 * static_cast<size_t>(first + lane);
+            to[0] = found.xx[lane], to[1] = found.yy[lane], to[2] = found.xy[lane], to[3] = found.zz[lane];
         }
     }
+}
+
+inline double root_of(double a) { return std::sqrt(a); }
+[[gnu::always_inline]] inline Pack root_of(const Pack& a) { return square_root(a); }
+
+// Von Mises' stress of plane states: xx, yy, xy, zz.
+template <class Number>
+[[gnu::always_inline]] inline Number equivalent_stress(const Number (&s)[4]) {
+    const Number a = s[0] - s[1], b = s[1] - s[3], c = s[3] - s[0];
+    return root_of(0.5 * (a * a + b * b + c * c) + 3.0 * s[2] * s[2]);
 }
 
 }  // namespace restshape

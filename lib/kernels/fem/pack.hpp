@@ -16,6 +16,16 @@ using Pack = double __attribute__((vector_size(pack_lanes * sizeof(double))));
     return a;
 }
 
+[[gnu::always_inline]] inline Pack larger(const Pack& a, const Pack& b) { return a > b ? a : b; }
+
+// Whether comparisons of packs hold in every lane.
+template <class Lanes>
+[[gnu::always_inline]] inline bool all(const Lanes& holds) {
+    auto found = holds[0];
+    for (int lane = 1; lane < pack_lanes; ++lane) found &= holds[lane];
+    return found;
+}
+
 // The value alone, as of dual numbers.
 inline const Pack& value_of(const Pack& a) { return a; }
 

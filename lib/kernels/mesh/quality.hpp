@@ -1,11 +1,13 @@
 // Shape quality of triangles, and the whole relocation step of a level-1 frame in one pass.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+
+#include "fem/corners.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -18,38 +20,36 @@ struct CellQuality {
 // Checks triangles against the two thresholds of a criterion (docs/theory/levels-of-reuse.md). The quality is inscribed
 // radius over longest edge, scaled to 1 for the equilateral triangle and signed like the area; the author's ratio
 // longest edge x half perimeter / area is 2 sqrt(3) over it, so that one number serves both criteria.
+//
+// No side is longer than the longest, so that 2 area / longest^2 times 2 / sqrt(3) is a quality from below: roots are
+// taken where that is less than a floor, or than the worst so far.
 inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::ptrdiff_t count, double area_floor,
                                double quality_floor) {
-    constexpr int lanes = 64;  // blocks that stay in the first-level cache and fill the vector registers
-    using Lane = Eigen::Array<double, lanes, 1>;
     const double scale = 2.0 * std::sqrt(3.0);
-    Lane ax, ay, bx, by, cx, cy;
+    constexpr double sides = 3.0 * (1.0 + 1e-12);  // with room for rounding
     CellQuality found;
-    double worst = 1.0;
-    for (std::ptrdiff_t first = 0; first < count; first += lanes) {
-        const auto size = std::min<std::ptrdiff_t>(lanes, count - first);
-        for (std::ptrdiff_t j = 0; j < lanes; ++j) {
-            const std::int32_t* cell = cells + 3 * (first + std::min(j, size - 1));
-            ax[j] = X[2 * cell[0]], ay[j] = X[2 * cell[0] + 1];
-            bx[j] = X[2 * cell[1]], by[j] = X[2 * cell[1] + 1];
-            cx[j] = X[2 * cell[2]], cy[j] = X[2 * cell[2] + 1];
-        }
-        const Lane twice_area = (bx - ax) * (cy - ay) - (cx - ax) * (by - ay);
-        const Lane a = ((cx - bx).square() + (cy - by).square()).sqrt();
-        const Lane b = ((ax - cx).square() + (ay - cy).square()).sqrt();
-        const Lane c = ((bx - ax).square() + (by - ay).square()).sqrt();
-        const Lane quality = scale * twice_area / ((a + b + c) * a.max(b).max(c));
-        worst = std::min(worst, quality.minCoeff());
+    for (std::ptrdiff_t first = 0; first < count; first += pack_lanes) {
+        const int size = static_cast<int>(std::min<std::ptrdiff_t>(pack_lanes, count - first));
+        const std::int32_t* cell[pack_lanes];
+        for (int lane = 0; lane < pack_lanes; ++lane) cell[lane] = cells + 3 * (first + std::min(lane, size - 1));
+        Pack x[3], y[3];
+        for (int i = 0; i < 3; ++i) corner_of(X, cell, i, x[i], y[i]);
+        const Pack ux = x[1] - x[0], uy = y[1] - y[0], vx = x[2] - x[0], vy = y[2] - y[0];
+        const Pack wx = x[2] - x[1], wy = y[2] - y[1];
+        const Pack twice_area = ux * vy - vx * uy;
+        const Pack u = ux * ux + uy * uy, v = vx * vx + vy * vy, w = wx * wx + wy * wy;
+        const Pack longest = larger(larger(u, v), w);
+        const double floor = sides * std::max({found.min_quality, quality_floor, 0.0});
         // Negated comparisons, so that a coordinate that is not a number counts as invalid.
-        int invalid = 0, low_quality = 0;
-        for (std::ptrdiff_t j = 0; j < size; ++j) {
-            invalid += !(0.5 * twice_area[j] > area_floor);
-            low_quality += !(quality[j] >= quality_floor);
+        if (all((scale * twice_area >= floor * longest) & (0.5 * twice_area > area_floor))) continue;
+        const Pack perimeter = square_root(u) + square_root(v) + square_root(w);
+        const Pack quality = scale * twice_area / (perimeter * square_root(longest));
+        for (int lane = 0; lane < size; ++lane) {
+            found.min_quality = std::min(found.min_quality, quality[lane]);
+            found.invalid += !(0.5 * twice_area[lane] > area_floor);
+            found.low_quality += !(quality[lane] >= quality_floor);
         }
-        found.invalid += invalid;
-        found.low_quality += low_quality;
     }
-    found.min_quality = worst;
     return found;
 }
 

@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
+#include "elasticity/triangle_stress.hpp"
 #include "fem/calls.hpp"
+#include "fem/element.hpp"
 #include "mesh/curved.hpp"
 #include "recovery/patch.hpp"
 
@@ -41,15 +44,79 @@ void follow(restshape::PatchRecovery& patches, const Ints& cells, const Ints& ro
     patches.follow(cells.data(), rows.data());
 }
 
-void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& stress, Reals out) {
+void require_nodes_of(const restshape::PatchRecovery& patches, const Reals& X) {
     if (X.ndim() != 2 || X.shape(1) != 2 || X.shape(0) < patches.least_nodes())
         throw std::invalid_argument("X must be (n, 2), with all nodes of the cells");
+}
+
+using Values = restshape::PatchRecovery::Values;
+using Nodes = const int32_t * [restshape::pack_lanes];
+using Corners = restshape::Pack[2][3];
+
+// A lane of packs to each of these rows of (n, 4).
+void put(const int* rows, int count, const Values& from, double* to) {
+    for (int lane = 0; lane < count; ++lane)
+        for (int i = 0; i < 4; ++i) to[4 * static_cast<size_t>(rows[lane]) + i] = from[i][lane];
+}
+
+void count_recovery(const restshape::PatchRecovery& patches) {
+    static restshape::Tally& tally = restshape::tallies()["recover"];
+    tally.add(restshape::Purpose::field, patches.cells());
+}
+
+void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& stress, Reals out) {
+    require_nodes_of(patches, X);
     if (stress.ndim() != 2 || stress.shape(0) != patches.cells() || stress.shape(1) != 4 || out.ndim() != 2 ||
         out.shape(0) != patches.rows() || out.shape(1) != 4)
         throw std::invalid_argument("stress must be (ne, 4) and out (rows, 4)");
-    static restshape::Tally& tally = restshape::tallies()["recover"];
-    tally.add(restshape::Purpose::field, patches.cells());
-    patches.run(X.data(), stress.data(), out.mutable_data());
+    count_recovery(patches);
+    const double* of = stress.data();
+    double* to = out.mutable_data();
+    patches.run(
+        X.data(),
+        [of](const int* cells, int, const Nodes&, const Corners&, Values& found) {
+            for (int lane = 0; lane < restshape::pack_lanes; ++lane)
+                for (int i = 0; i < 4; ++i) found[i][lane] = of[4 * static_cast<size_t>(cells[lane]) + i];
+        },
+        [to](const int* rows, int count, const Values& found) { put(rows, count, found, to); });
+}
+
+// Where results go: none where an array is empty, else it has `count` numbers.
+double* room(std::optional<Reals>& array, py::ssize_t count) {
+    if (!array) return nullptr;
+    if (array->size() != count) throw std::invalid_argument("an array has not as many numbers as there are results");
+    return array->mutable_data();
+}
+
+void recover_triangles(restshape::PatchRecovery& patches, const Reals& X, const Reals& x, const Reals& params,
+                       bool plane_stress, Reals energy, std::optional<Reals> stress, std::optional<Reals> nodal,
+                       std::optional<Reals> equivalent) {
+    require_nodes_of(patches, X);
+    const py::ssize_t ne = patches.cells(), rows = patches.rows();
+    const bool each = params.ndim() == 2 && params.shape(0) == ne && params.shape(1) == 5;
+    if (!each && (params.ndim() != 1 || params.size() != 5))
+        throw std::invalid_argument("params must be (5,) or (ne, 5)");
+    if (x.size() != X.size() || energy.size() != ne) throw std::invalid_argument("x must be (n, 2), energy (ne,)");
+    double *of_cells = room(stress, 4 * ne), *of_rows = room(nodal, 4 * rows), *sizes = room(equivalent, rows);
+    restshape::element("linear_elastic_tri3").tally->add(restshape::Purpose::stress, ne);
+    count_recovery(patches);
+    const restshape::Triangles on{X.data(), x.data(), patches.nodes(), params.data(), each ? 5 : 0, plane_stress};
+    double* energies = energy.mutable_data();
+    const restshape::TriangleLoop loop(on);
+    patches.run(
+        X.data(),
+        [&](const int* cells, int count, const Nodes& nodes, const Corners& corners, Values& found) {
+            const restshape::PackedStress own = loop.stress(nodes, corners, [cells](int lane) { return cells[lane]; });
+            found[0] = own.xx, found[1] = own.yy, found[2] = own.xy, found[3] = own.zz;
+            for (int lane = 0; lane < count; ++lane) energies[cells[lane]] = own.energy[lane];
+            if (of_cells) put(cells, count, found, of_cells);
+        },
+        [&](const int* rows, int count, const Values& found) {
+            if (of_rows) put(rows, count, found, of_rows);
+            if (!sizes) return;
+            const restshape::Pack own = restshape::equivalent_stress(found);
+            for (int lane = 0; lane < count; ++lane) sizes[rows[lane]] = own[lane];
+        });
 }
 
 py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_count) {
@@ -169,7 +236,14 @@ void bind_fields(py::module_& m) {
         .def("follow", &follow, py::arg("cells").noconvert(), py::arg("rows").noconvert(),
              "Takes as many cells and rows (ne, 3) that are others after flips.")
         .def("__call__", &recover, py::arg("X").noconvert(), py::arg("stress").noconvert(), py::arg("out").noconvert(),
-             "Writes stresses out (count, 4) recovered from those of the cells (ne, 4), on nodes X (n, 2).");
+             "Writes stresses out (count, 4) recovered from those of the cells (ne, 4), on nodes X (n, 2).")
+        .def(
+            "triangles", &recover_triangles, py::arg("X").noconvert(), py::arg("x").noconvert(),
+            py::arg("params").noconvert(), py::arg("plane_stress"), py::arg("energy").noconvert(),
+            py::arg("stress").noconvert(), py::arg("nodal").noconvert(), py::arg("equivalent").noconvert(),
+            "Writes what `triangle_stress` has of the cells, energy (ne,) and stress (ne, 4), and what is recovered of "
+            "the stress: nodal (count, 4), and von Mises' stress of it, equivalent (count,). Only energy cannot be "
+            "None. Cells and nodes are gone through once, whatever is asked for.");
     m.def("same_bits", &same_bits, py::arg("a"), py::arg("b"),
           "Whether two arrays hold the same numbers, bit for bit.");
     m.def("largest_size", &largest_size, py::arg("a"),

@@ -5,166 +5,186 @@
 // 1331.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
+#include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <vector>
+
+#include "fem/corners.hpp"
+#include "fem/gathered.hpp"
+#include "fem/pack.hpp"
+#include "recovery/patch_fit.hpp"
+#include "recovery/patch_rows.hpp"
 
 namespace restshape {
 
 // Made for triangles that keep their corners; places and values may change from run to run.
+//
+// Rows are taken in blocks, with what they read of the cells around a block side by side in the cache, and several rows
+// of a block at once that have as many cells.
 class PatchRecovery {
  public:
-    using Value = Eigen::Array4d;
+    static constexpr int components = patch_components;
+    using Values = Pack[components];
 
     // cells (ne, 3): nodes of the corners; rows (ne, 3): where each cell has them in what is recovered, `count` rows.
-    PatchRecovery(const int32_t* cells, const int32_t* rows, int ne, int count)
-        : corners_(3 * static_cast<size_t>(ne)),
-          nodes_(corners_.size()),
-          first_(count + 1),
-          around_(corners_.size()),
-          node_of_(count),
-          inner_(count),
-          fitted_(count),
-          centres_(ne) {
+    PatchRecovery(const int32_t* cells, const int32_t* rows, int ne, int count) : rows_(ne, count) {
         follow(cells, rows);
     }
 
     // Takes as many cells with other corners: memory that was used before is found sooner than new one.
     void follow(const int32_t* cells, const int32_t* rows) {
-        std::copy_n(rows, corners_.size(), corners_.begin());
-        std::copy_n(cells, nodes_.size(), nodes_.begin());
-        for (const int32_t row : corners_)
-            if (row < 0 || row >= this->rows()) throw std::invalid_argument("cells have rows that do not exist");
-        const auto [least, most] = std::minmax_element(nodes_.begin(), nodes_.end());
-        if (!nodes_.empty() && *least < 0) throw std::invalid_argument("cells name nodes that do not exist");
-        least_ = nodes_.empty() ? 0 : *most + 1;
-        find_around();
+        rows_.follow(cells, rows);
+        fitted_.assign(rows_.count(), 0);
+        place_.assign(rows_.cells(), -1);
+        listed_.clear();
+        late_cells_.clear();
+        late_count_ = 0;
     }
 
-    int cells() const { return static_cast<int>(centres_.size()); }
-    int rows() const { return static_cast<int>(inner_.size()); }
-    int least_nodes() const { return least_; }
+    int cells() const { return rows_.cells(); }
+    int rows() const { return rows_.count(); }
+    int least_nodes() const { return rows_.least_nodes(); }
+    const int32_t* nodes() const { return rows_.nodes(); }  // (ne, 3), of the corners
 
-    // X (n, 2), values (ne, 4), out (rows, 4).
-    void run(const double* X, const double* values, double* out) {
-        for (int e = 0; e < cells(); ++e) {
-            const double *p = X + 2 * node(3 * e), *q = X + 2 * node(3 * e + 1), *r = X + 2 * node(3 * e + 2);
-            centres_[e] = {(p[0] + q[0] + r[0]) / 3.0, (p[1] + q[1] + r[1]) / 3.0};
+    // Recovers at nodes X (n, 2). `give(cells, count, nodes, corners, found)` finds the values of some cells, a lane
+    // each, from their nodes and the places (2, 3) of these; of some cells more than once. `take(rows, count, found)`
+    // gets those of rows likewise, of rows without a polynomial of their own a second time, which counts.
+    template <class Give, class Take>
+    void run(const double* X, const Give& give, const Take& take) {
+        late_.clear();
+        for (int block = 0; block < rows_.blocks(); ++block) {
+            fill(X, rows_.block_cells(block), rows_.block_size(block), give);
+            late_.insert(late_.end(), rows_.border(block), rows_.border(block + 1));
+            for (int group = rows_.first_group(block); group < rows_.first_group(block + 1); ++group)
+                fit_group(X, rows_.group(group), take);
         }
-        for (int row = 0; row < rows(); ++row) {
-            Moments m;
-            fitted_[row] = inner_[row] && take(X, values, row, m);
-            if (fitted_[row]) Eigen::Map<Value>(out + 4 * static_cast<size_t>(row)) = m.here();
+        if (late_ != listed_) list_late();
+        fill(X, late_cells_.data(), late_count_, give);
+        for (const int row : late_) {
+            Values found;
+            around(X, row, found);
+            take(&row, 1, found);
         }
-        for (int row = 0; row < rows(); ++row)
-            if (!fitted_[row]) Eigen::Map<Value>(out + 4 * static_cast<size_t>(row)) = around(X, values, row);
     }
 
  private:
-    struct Place {
-        double x, y;
-    };
-
-    // Least squares by the normal equations of the polynomial 1, x, y, from the node of a row on.
-    struct Moments {
-        Value b0 = Value::Zero(), b1 = Value::Zero(), b2 = Value::Zero();
-        double count = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-        double c00 = 0, c01 = 0, c02 = 0, inverse = 0;
-
-        // At the node.
-        Value here() const { return (c00 * inverse) * b0 + (c01 * inverse) * b1 + (c02 * inverse) * b2; }
-
-        // So far from it.
-        Value at(double along, double across) const {
-            const double c11 = count * yy - y * y, c12 = x * y - count * xy, c22 = count * xx - x * x;
-            const Value along_x = (c01 * inverse) * b0 + (c11 * inverse) * b1 + (c12 * inverse) * b2;
-            const Value along_y = (c02 * inverse) * b0 + (c12 * inverse) * b1 + (c22 * inverse) * b2;
-            return here() + along * along_x + across * along_y;
+    // Values and centres of these cells, side by side; behind them one is repeated until all lanes are filled.
+    template <class Give>
+    void fill(const double* X, const int* cells, int count, const Give& give) {
+        const int stride = (count + pack_lanes - 1) / pack_lanes * pack_lanes;
+        room_.resize(std::max(room_.size(), static_cast<size_t>(components + 2) * stride));
+        for (int i = 0; i < components + 2; ++i) at_[i] = room_.data() + static_cast<size_t>(i) * stride;
+        for (int first = 0; first < count; first += pack_lanes) {
+            const int filled = std::min(pack_lanes, count - first);
+            const int32_t* corners[pack_lanes];
+            for (int lane = 0; lane < pack_lanes; ++lane)
+                corners[lane] = nodes() + 3 * static_cast<size_t>(cells[first + lane]);
+            Pack P[2][3];
+            for (int i = 0; i < 3; ++i) corner_of(X, corners, i, P[0][i], P[1][i]);
+            Values found;
+            give(cells + first, filled, corners, P, found);
+            for (int i = 0; i < components; ++i) store(found[i], at_[i] + first);
+            for (int a = 0; a < 2; ++a) store((P[a][0] + P[a][1] + P[a][2]) * (1.0 / 3.0), at_[components + a] + first);
         }
-    };
+    }
+    static void store(const Pack& from, double* to) { std::memcpy(to, &from, sizeof(Pack)); }
 
-    // Of the cells around a row; whether they have one polynomial.
-    bool take(const double* X, const double* values, int row, Moments& m) const {
-        const int first = first_[row], end = first_[row + 1];
-        const double* here = X + 2 * static_cast<size_t>(node_of_[row]);
-        for (int k = first; k < end; ++k) {
-            const int e = around_[k];
-            const double x = centres_[e].x - here[0], y = centres_[e].y - here[1];
-            const Eigen::Map<const Value> value(values + 4 * static_cast<size_t>(e));
-            m.x += x, m.y += y, m.xx += x * x, m.xy += x * y, m.yy += y * y;
-            m.b0 += value, m.b1 += x * value, m.b2 += y * value;
+    // Several rows with as many cells.
+    template <class Take>
+    void fit_group(const double* X, const PatchRows::Group& group, const Take& take) {
+        const int32_t* own[pack_lanes];
+        for (int lane = 0; lane < pack_lanes; ++lane) own[lane] = rows_.node_of(group.rows[lane]);
+        Pack here[2];
+        corner_of(X, own, 0, here[0], here[1]);
+        PatchFit<Pack> fit;
+        for (int k = 0; k < group.cells; ++k) {
+            const int32_t* places = group.places + k * pack_lanes;
+            Values value;
+            for (int i = 0; i < components; ++i) value[i] = gathered(at_[i], places);
+            fit.add(gathered(at_[components], places) - here[0], gathered(at_[components + 1], places) - here[1],
+                    value);
         }
-        m.count = end - first;
-        m.c00 = m.xx * m.yy - m.xy * m.xy, m.c01 = m.y * m.xy - m.x * m.yy, m.c02 = m.x * m.xy - m.y * m.xx;
-        const double det = m.count * m.c00 + m.x * m.c01 + m.y * m.c02;
-        m.inverse = 1.0 / det;
-        return std::abs(det) > 1e-6 * m.count * m.xx * m.yy;
+        fit.solve(Pack{} + static_cast<double>(group.cells));
+        const auto known = fit.known();
+        Values found;
+        for (int i = 0; i < components; ++i) found[i] = fit.here(i);
+        take(group.rows, group.filled, found);
+        for (int lane = 0; lane < group.filled; ++lane) {
+            const int row = group.rows[lane];
+            fitted_[row] = known[lane] != 0;
+            // What it was given is replaced.
+            if (!fitted_[row]) late_.push_back(row);
+        }
     }
 
-    // The corner of a cell that has a row.
-    int corner_of(int e, int row) const {
-        const int32_t* corners = corners_.data() + 3 * e;
-        return corners[0] == row ? 0 : corners[1] == row ? 1 : 2;
-    }
-    size_t node(int corner) const { return static_cast<size_t>(nodes_[corner]); }
-
-    // The corners of each row, and whether three or more triangles go all the way around: each neighbour follows and
-    // precedes one.
-    void find_around() {
-        std::fill(first_.begin(), first_.end(), 0);
-        balance_.assign(inner_.size(), 0);
-        for (size_t k = 0; k < corners_.size(); k += 3) {
-            const int32_t *row = corners_.data() + k, *node = nodes_.data() + k;
-            int64_t square[3];
-            for (int i = 0; i < 3; ++i) square[i] = static_cast<int64_t>(node[i]) * (node[i] + 1);
-            for (int i = 0; i < 3; ++i) {
-                balance_[row[i]] += square[(i + 1) % 3] - square[(i + 2) % 3];
-                ++first_[row[i] + 1];
+    // The cells that rows without a polynomial of their own read, and their places.
+    void list_late() {
+        listed_ = late_;
+        late_cells_.clear();
+        std::fill(place_.begin(), place_.end(), -1);
+        const auto list = [this](int e) {
+            if (place_[e] >= 0) return;
+            place_[e] = static_cast<int>(late_cells_.size());
+            late_cells_.push_back(e);
+        };
+        for (const int row : late_)
+            for (int k = 0; k < rows_.around(row); ++k) {
+                const int e = rows_.cell(row, k);
+                list(e);
+                for (int i = 0; i < 3; ++i) {
+                    const int beside = rows_.row(e, i);
+                    for (int l = 0; fitted_[beside] && l < rows_.around(beside); ++l) list(rows_.cell(beside, l));
+                }
             }
-        }
-        for (size_t row = 0; row < inner_.size(); ++row) {
-            inner_[row] = balance_[row] == 0 && first_[row + 1] >= 3;
-            first_[row + 1] += first_[row];
-        }
-        // Backwards, each row's cells fill its place from the end, and are in ascending order.
-        next_.assign(first_.begin() + 1, first_.end());
-        for (int k = static_cast<int>(corners_.size()) - 1; k >= 0; --k) around_[--next_[corners_[k]]] = k / 3;
-        for (size_t k = 0; k < corners_.size(); ++k) node_of_[corners_[k]] = nodes_[k];
+        late_count_ = static_cast<int>(late_cells_.size());
+        while (late_cells_.size() % pack_lanes) late_cells_.push_back(late_cells_.back());
     }
 
-    // The mean of the neighbours' polynomials; of the triangles around where no inner node is near.
-    Value around(const double* X, const double* values, int row) const {
-        Value sum = Value::Zero(), plain = Value::Zero();
+    // The polynomial of a row, at the place of another node.
+    void at_beside(const double* X, int row, int32_t node, double (&found)[components]) const {
+        const double *here = X + 2 * static_cast<size_t>(*rows_.node_of(row)),
+                     *there = X + 2 * static_cast<size_t>(node);
+        PatchFit<double> fit;
+        for (int k = 0; k < rows_.around(row); ++k) {
+            const int place = place_[rows_.cell(row, k)];
+            double value[components];
+            for (int i = 0; i < components; ++i) value[i] = at_[i][place];
+            fit.add(at_[components][place] - here[0], at_[components + 1][place] - here[1], value);
+        }
+        fit.solve(rows_.around(row));
+        for (int i = 0; i < components; ++i) found[i] = fit.at(i, there[0] - here[0], there[1] - here[1]);
+    }
+
+    // The mean of the neighbours' polynomials, in the first lane; of the triangles around where no inner node is near.
+    void around(const double* X, int row, Values& found) const {
+        double sum[components] = {}, plain[components] = {};
         int count = 0;
-        for (int k = first_[row]; k < first_[row + 1]; ++k) {
-            const int e = around_[k], i = corner_of(e, row);
-            plain += Eigen::Map<const Value>(values + 4 * static_cast<size_t>(e));
+        for (int k = 0; k < rows_.around(row); ++k) {
+            const int e = rows_.cell(row, k);
+            for (int i = 0; i < components; ++i) plain[i] += at_[i][place_[e]];
+            const int own = rows_.corner_of(e, row);
             for (int j = 1; j < 3; ++j) {
-                const int corner = 3 * e + (i + j) % 3;
-                if (!fitted_[corners_[corner]]) continue;
+                const int beside = rows_.row(e, (own + j) % 3);
+                if (!fitted_[beside]) continue;
                 // Few rows have none of their own: those next to them are made again, not kept.
-                Moments m;
-                take(X, values, corners_[corner], m);
-                const double *to = X + 2 * node(3 * e + i), *from = X + 2 * node(corner);
-                sum += m.at(to[0] - from[0], to[1] - from[1]);
+                double there[components];
+                at_beside(X, beside, *rows_.node_of(row), there);
+                for (int i = 0; i < components; ++i) sum[i] += there[i];
                 ++count;
             }
         }
-        if (count > 0) return sum / count;
-        const int cells = first_[row + 1] - first_[row];
-        return cells > 0 ? Value(plain / cells) : Value::Zero();
+        const int cells = std::max(1, rows_.around(row));
+        for (int i = 0; i < components; ++i) found[i] = Pack{} + (count > 0 ? sum[i] / count : plain[i] / cells);
     }
 
-    std::vector<int32_t> corners_, nodes_;  // (ne, 3) rows, and nodes
-    std::vector<int64_t> balance_;
-    std::vector<int> next_, first_, around_;  // cells of each row, from first to next first
-    std::vector<int32_t> node_of_;            // of each row
-    std::vector<uint8_t> inner_, fitted_;     // of each row: cells all the way around, and a polynomial of its own
-    std::vector<Place> centres_;              // of each cell
-    int32_t least_ = 0;
+    PatchRows rows_;
+    std::vector<uint8_t> fitted_;                  // of each row, whether it has a polynomial of its own
+    std::vector<int> late_, listed_, late_cells_;  // rows without one, those of the list, and the cells of it
+    std::vector<int> place_;                       // of each cell in that list
+    int late_count_ = 0;                           // in that list, which is filled up for the last lanes
+    std::vector<double> room_;                     // values and centres of some cells, a component after the other
+    double* at_[components + 2] = {};              // these components
 };
 
 }  // namespace restshape

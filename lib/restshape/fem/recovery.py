@@ -70,15 +70,20 @@ class NodalFlux:
         """
         return self._linear(flux) if self.points is None else self._quadratic(flux)
 
-    def _linear(self, flux: np.ndarray) -> np.ndarray:
-        space, out = self.space, np.empty((len(self.nodes), 4))
-        topology, patches = self._patches
+    @property
+    def patches(self) -> _kernels.PatchRecovery:
+        """What recovers those of first order, on the cells as they are now."""
+        space, (topology, patches) = self.space, self._patches
         if patches is None:
             patches = _kernels.PatchRecovery(space.cells, self.cell_rows(), len(self.nodes))
         elif topology != space.topology:
             patches.follow(space.cells, self.cell_rows())
         self._patches = (space.topology, patches)
-        patches(space.X, flux, out)
+        return patches
+
+    def _linear(self, flux: np.ndarray) -> np.ndarray:
+        out = np.empty((len(self.nodes), 4))
+        self.patches(self.space.X, flux, out)
         return out
 
     def _quadratic(self, flux: np.ndarray) -> np.ndarray:

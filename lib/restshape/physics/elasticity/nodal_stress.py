@@ -9,6 +9,7 @@ from restshape import _kernels
 from restshape.fem.problem import Fields
 from restshape.fem.recovery import NodalFlux
 from restshape.fem.space import Space
+from restshape.first_use import made
 from restshape.physics.elasticity.stress import COMPONENTS, PlaneStresses
 from restshape.scene.model import Quantity
 
@@ -24,8 +25,14 @@ REQUESTED: dict[str, tuple[str, ...]] = {
 IN_CELLS = "_in_cells"
 
 
+SAMPLED, ENERGIES, NODAL = "sampled", "energies", "nodal"
+
+
 class NodalStress:
     """Cauchy's stresses in cells and recovered at nodes, each computed once a state of the space and its displacement.
+
+    What was asked for at one state is expected at the next, and computed together where one loop gives it: a predicted
+    frame, of which nobody asks more than an extreme, writes neither the stresses of cells nor those of nodes.
 
     Args:
         stresses: of the cells.
@@ -33,11 +40,9 @@ class NodalStress:
 
     def __init__(self, stresses: PlaneStresses) -> None:
         self.stresses, self.space = stresses, stresses.space
-        self._versions = (-1, -1)
-        self._x = self._sampled = np.empty(0)
-        self._energies: np.ndarray | None = None
-        self._nodal: np.ndarray | None = None
-        self._components: dict[str, np.ndarray] = {}
+        self._versions, self._x = (-1, -1), np.empty(0)
+        self._found: dict[str, np.ndarray | None] = {}
+        self._asked, self._expected = set[str](), set[str]()
 
     @cached_property
     def recovery(self) -> NodalFlux:
@@ -47,37 +52,64 @@ class NodalStress:
     def sampled(self, x: np.ndarray) -> np.ndarray:
         """The stresses [Pa] that are recovered, (ne, 4) or (ne, 3, 4) inside the cells, at x (n, 2) [m]."""
         self._follow(x)
-        return self._sampled
+        return made(self._result(SAMPLED))
 
     def energies(self, x: np.ndarray) -> np.ndarray | None:
         """Strain energies (ne,) [J] of the cells at x (n, 2) [m]; None where they do not come with the stresses."""
-        if self.stresses.one_loop:
-            self._follow(x)
-        return self._energies
+        if not self.stresses.one_loop:
+            return None
+        self._follow(x)
+        return self._result(ENERGIES)
 
     def __call__(self, x: np.ndarray) -> np.ndarray:
         """Recovered stresses [Pa] (rows, 4) in the rows of `recovery`: xx, yy, xy, zz, at x (n, 2) [m]."""
         self._follow(x)
-        if self._nodal is None:
-            self._nodal = self.recovery(self._sampled)
-        return self._nodal
+        return made(self._result(NODAL))
 
     def component(self, name: str, x: np.ndarray) -> np.ndarray:
         """One of `COMPONENTS` [Pa] (rows,) at x (n, 2) [m], computed once a state; not to be written to."""
-        nodal = self(x)
-        found = self._components.get(name)
-        if found is None:
-            found = self._components[name] = COMPONENTS[name](nodal)
-        return found
+        self._follow(x)
+        return made(self._result(name))
 
     def _follow(self, x: np.ndarray) -> None:
         versions = self.space.topology, self.space.geometry
         if versions == self._versions and _kernels.same_bits(x, self._x):
             return
-        self._sampled, self._energies = self.stresses.with_energies(x, self.recovery.points)
-        self._nodal = None
         self._versions, self._x = versions, x.copy()
-        self._components.clear()
+        self._found.clear()
+        self._asked, self._expected = set(), self._asked
+
+    def _result(self, name: str) -> np.ndarray | None:
+        """What has this name at the present state: `SAMPLED`, `ENERGIES`, `NODAL`, or one of `COMPONENTS`."""
+        self._asked.add(name)
+        if name not in self._found:
+            self._find(name)
+        return self._found[name]
+
+    def _find(self, name: str) -> None:
+        found, wanted = self._found, self._asked | self._expected
+        recovers = self.stresses.one_loop and SAMPLED not in found and not {NODAL, PICTURED}.isdisjoint(wanted)
+        if name in COMPONENTS and (name != PICTURED or NODAL in found or not recovers):
+            found[name] = COMPONENTS[name](made(self._result(NODAL)))
+        elif recovers:
+            self._recover_triangles()
+        elif name == NODAL:
+            found[NODAL] = self.recovery(made(self._result(SAMPLED)))
+        elif name == ENERGIES and SAMPLED not in wanted:
+            found[ENERGIES] = self.stresses.energies(self._x)
+        else:
+            found[SAMPLED], found[ENERGIES] = self.stresses.with_energies(self._x, self.recovery.points)
+
+    def _recover_triangles(self) -> None:
+        """All that is asked for or expected, in one loop."""
+        ne, rows, wanted = len(self.space.cells), len(self.recovery.nodes), self._asked | self._expected
+        shapes = {ENERGIES: (ne,), SAMPLED: (ne, 4), NODAL: (rows, 4), PICTURED: (rows,)}
+        room = {name: np.empty(shape) for name, shape in shapes.items() if name in wanted or name == ENERGIES}
+        at = self.stresses
+        self.recovery.patches.triangles(
+            self.space.X, self._x, at.parameters, at.thins, room[ENERGIES], *map(room.get, (SAMPLED, NODAL, PICTURED))
+        )
+        self._found |= room
 
     def fields(self, x: np.ndarray, quantities: Mapping[str, Quantity], wanted: Collection[str] = ()) -> Fields:
         """What recordings hold of them at x (n, 2) [m]: von Mises' stress, what quantities name, what is wanted.

@@ -63,6 +63,10 @@ class PlaneStresses:
         space, x = self.space, np.ascontiguousarray(x)
         return _kernels.triangle_stress(space.X, x, space.cells, self.parameters, self.thins)
 
+    def energies(self, x: np.ndarray) -> np.ndarray:
+        """These energies (ne,) [J] alone, where `one_loop` is."""
+        return _kernels.triangle_energies(self.space.X, np.ascontiguousarray(x), self.space.cells, self.parameters)
+
     def strain(self, x: np.ndarray, points: np.ndarray | None = None) -> np.ndarray:
         """Strains [1] of each cell, xx, yy, xy, zz: small ones, or Green's; arguments and shape as of `cauchy`."""
         space = self.space

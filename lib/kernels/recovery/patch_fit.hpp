@@ -1,0 +1,50 @@
+// A linear polynomial through values at places around a node, by least squares.
+#pragma once
+
+#include <cmath>
+
+#include "fem/pack.hpp"
+
+namespace restshape {
+
+constexpr int patch_components = 4;
+
+// By the normal equations of 1, x, y, from the node on; a number of one node, or of several, a lane each.
+template <class Number>
+struct PatchFit {
+    Number b0[patch_components] = {}, b1[patch_components] = {}, b2[patch_components] = {};
+    Number count{}, x{}, y{}, xx{}, xy{}, yy{};
+    Number c00{}, c01{}, c02{}, det{}, inverse{};
+
+    [[gnu::always_inline]] void add(const Number& along, const Number& across,
+                                    const Number (&value)[patch_components]) {
+        x += along, y += across, xx += along * along, xy += along * across, yy += across * across;
+        for (int i = 0; i < patch_components; ++i)
+            b0[i] += value[i], b1[i] += along * value[i], b2[i] += across * value[i];
+    }
+
+    [[gnu::always_inline]] void solve(const Number& places) {
+        count = places;
+        c00 = xx * yy - xy * xy, c01 = y * xy - x * yy, c02 = x * xy - y * xx;
+        det = count * c00 + x * c01 + y * c02;
+        inverse = 1.0 / det;
+    }
+
+    // Whether there is one: the places do not lie on a line. Of several nodes, a mark in each lane.
+    auto known() const { return (det > 1e-6 * count * xx * yy) | (-det > 1e-6 * count * xx * yy); }
+
+    // At the node.
+    [[gnu::always_inline]] Number here(int i) const {
+        return (c00 * inverse) * b0[i] + (c01 * inverse) * b1[i] + (c02 * inverse) * b2[i];
+    }
+
+    // So far from it.
+    Number at(int i, const Number& along, const Number& across) const {
+        const Number c11 = count * yy - y * y, c12 = x * y - count * xy, c22 = count * xx - x * x;
+        const Number by_x = (c01 * inverse) * b0[i] + (c11 * inverse) * b1[i] + (c12 * inverse) * b2[i];
+        const Number by_y = (c02 * inverse) * b0[i] + (c12 * inverse) * b1[i] + (c22 * inverse) * b2[i];
+        return here(i) + along * by_x + across * by_y;
+    }
+};
+
+}  // namespace restshape
