@@ -67,3 +67,19 @@ def test_in_space_a_mark_goes_with_the_nearest_node_however_many_points_it_has(m
         lines, word = MovedMarks()([Lines("a", at, (0,), words=["b"]), Words("c", at[3])], [part])
         np.testing.assert_array_equal(lines.moved, moved[nearest])
         assert list(word.moved) == moved[nearest[3]].tolist() and lines.words == ["b"]
+
+
+def test_the_nearest_nodes_of_all_marks_are_found_at_once(monkeypatch):
+    dice = np.random.default_rng(4)
+    X, moved = dice.random((40, 3)), dice.random((40, 3))
+    part = PicturePart("shape", "surface", "shape", {"points": X, "cells": CELLS, "displacement": moved})
+    looks, nearest = [], moved_marks._DrawnShape._nearest
+    monkeypatch.setattr(
+        moved_marks._DrawnShape, "_nearest", lambda self, places: (looks.append(len(places)), nearest(self, places))[1]
+    )
+    # A place in the plane is one at z = 0.
+    given = [Lines("a", X[:3], (0,)), Words("b", (0.5, 0.5)), Arrows("c", X[3:5], X[3:5], "N"), Words("none")]
+    lines, word, arrows, none = MovedMarks()(given, [part])
+    assert looks == [6] and none.moved is None
+    np.testing.assert_array_equal(np.vstack([lines.moved, arrows.moved]), moved[:5])
+    assert list(word.moved) == moved[((X - [0.5, 0.5, 0.0]) ** 2).sum(axis=1).argmin()].tolist()

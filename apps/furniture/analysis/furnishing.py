@@ -17,7 +17,11 @@ from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionLi
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
-from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, recorded_utilisations, utilisation_range
+from restshape_apps.furniture.physics.joint_compliance import (
+    UtilisationRange,
+    recorded_utilisations,
+    utilisation_range_at,
+)
 from restshape_apps.furniture.physics.plank_beam import cross
 from restshape_apps.furniture.physics.plank_bending import plank_bending
 from restshape_apps.furniture.physics.plank_findings import overbent
@@ -169,9 +173,8 @@ class FurnitureAnalysis(Timeless):
         still = np.zeros((1, 8 * planks))
         rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
         self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
-        moved = furniture.moved(self.gamma)
-        self.utilisation_range = utilisation_range(moved, furniture.compliance)
-        self.free = free(moved) if self.result.valid else ()
+        self.utilisation_range = utilisation_range_at(furniture, self.gamma)
+        self.free = free(furniture.moved(self.gamma)) if self.result.valid else ()
         if self.plan.on("bending"):
             self._bend(furniture)
 

@@ -83,9 +83,13 @@ def utilisation_range(piece: Piece, nominal: Compliance) -> UtilisationRange | N
 
     Source: docs/theory/furniture.md, "What compliance decides".
     """
-    flaws, utilisations, sprung = _springs(Furniture(piece, nominal), compliances(piece, nominal)).test(
-        ending=ALL ^ WEAK ^ UNSTABLE
-    )
+    return utilisation_range_at(Furniture(piece, nominal), None)
+
+
+def utilisation_range_at(furniture: Furniture, gamma: np.ndarray | None) -> UtilisationRange | None:
+    """The same of the piece of a model at design parameters (n, 8); None: as it is."""
+    springs = _springs(furniture, compliances(furniture.piece, furniture.compliance))
+    flaws, utilisations, sprung = springs.test(gamma, ALL ^ WEAK ^ UNSTABLE)
     if flaws[-1] & (ALL ^ WEAK ^ UNSTABLE):
         return None
     if not all(sprung):

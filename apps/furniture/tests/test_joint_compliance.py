@@ -15,6 +15,7 @@ from restshape_apps.furniture.physics.joint_compliance import (
     compliances,
     recorded_utilisations,
     utilisation_range,
+    utilisation_range_at,
 )
 from restshape_apps.furniture.physics.plank_findings import joint_planks
 from restshape_apps.furniture.physics.plank_phrases import phrases
@@ -23,6 +24,7 @@ from restshape_apps.furniture.shape.planks import Piece
 from restshape_apps.furniture.small_pieces import bench, stretched
 from small_scenes import make_replay
 
+import restshape
 from restshape.cli.main import main
 
 RAIL = """
@@ -98,6 +100,22 @@ def test_the_range_of_use_is_that_of_linear_springs() -> None:
     assert known.low == pytest.approx(np.min(utilisations, axis=0)) and known.high == pytest.approx(
         np.max(utilisations, axis=0)
     )
+
+
+def test_frames_of_a_drag_range_over_compliances_with_the_model_that_there_is(monkeypatch) -> None:
+    sim = restshape.open(restshape.load(SCENES / "table.toml"), strict=False)
+    hand, made = sim.press("leg-4", at=[0.4, 0.2, 0.2]), []
+    make = Furniture.__init__
+    monkeypatch.setattr(Furniture, "__init__", lambda self, *given: (made.append(given), make(self, *given))[1])
+    hand.to(0.42, 0.19, 0.2)
+    analysis = sim.replay.analysis
+    assert not made and len(analysis.utilisation_range.redundant)
+    piece = analysis.design.furniture.moved(analysis.gamma)
+    known = utilisation_range(piece, Compliance())
+    assert known.high == pytest.approx(analysis.utilisation_range.high, rel=1e-9)
+    assert known.low == pytest.approx(analysis.utilisation_range.low, rel=1e-9) and made
+    assert utilisation_range_at(Furniture(piece), None).high == pytest.approx(known.high, rel=1e-12)
+    sim.close()
 
 
 def test_joints_that_alone_bear_a_load_are_not_redundant() -> None:

@@ -52,9 +52,18 @@ class MovedMarks:
         stays = now[0] is self._on[0] and now[1] is self._on[1] and shift == self._shift
         before, known = self._known, list[tuple[Mark, Mark]]()
         drawn = _DrawnShape(now[0], shifted(now[1], shift), shape.arrays["cells"], self._around)
-        for place, mark in enumerate(marks):
-            last = before[place][1] if place < len(before) and before[place][0] is mark else None
-            known.append((mark, last if stays and last is not None else _with_moves(mark, drawn, last)))
+        lasts = [
+            before[number][1] if number < len(before) and before[number][0] is mark else None
+            for number, mark in enumerate(marks)
+        ]
+        places = [_places(mark) if last is None or not stays else [] for mark, last in zip(marks, lasts)]
+        # Those of all marks together: each look at the shape takes longer than what it finds.
+        moves = iter(drawn.moves([place for own in places for place in own]))
+        for mark, last, own in zip(marks, lasts, places):
+            if own:
+                known.append((mark, _gone(mark, [next(moves) for _ in own], last)))
+            else:
+                known.append((mark, last if stays and last is not None else mark))
         self._on, self._shift, self._known = now, shift, known
         return [drawn for _, drawn in known]
 
@@ -68,26 +77,28 @@ def _left(mark: Mark) -> bool:
     return isinstance(mark, Tone) or mark.meaning not in STAYS
 
 
-def _with_moves(mark: Mark, shape: _DrawnShape, last: Mark | None) -> Mark:
-    """A mark with the displacements of its points, where it has points and says nothing of them itself.
+def _places(mark: Mark) -> Sequence[Sequence[float]]:
+    """The places [m] at which the shape moves a mark; none where it has none, or says itself how it moves."""
+    if not _left(mark):
+        return []
+    if isinstance(mark, ALONG):
+        found: list[list[float]] = np.asarray(mark.points, dtype=float).tolist()
+        return found
+    return [mark.at] if isinstance(mark, AT_A_PLACE) and mark.at is not None else []
+
+
+def _gone(mark: Mark, moves: list[list[float]], last: Mark | None) -> Mark:
+    """A mark with the displacements [m] of its places.
 
     Args:
-        mark: of the application; shape: that moves it.
+        mark: of the application; moves: of each of its places.
         last: what became of the same mark in the frame before, which stays where it has not moved; None: nothing.
     """
-    if not isinstance(mark, ALONG + AT_A_PLACE) or not _left(mark):
-        return mark
     if isinstance(mark, AT_A_PLACE):
-        if mark.at is None:
-            return mark
-        own = shape.moves([mark.at])[0]
-        return last if isinstance(last, AT_A_PLACE) and last.moved == own else replace(mark, moved=own)
-    if not len(mark.points):
-        return mark
-    moves = shape.moves(np.asarray(mark.points, dtype=float).tolist())
+        return last if isinstance(last, AT_A_PLACE) and last.moved == moves[0] else replace(mark, moved=moves[0])
     if isinstance(last, ALONG) and last.moved is not None and last.moved.tolist() == moves:
         return last
-    return mark.gone(np.array(moves))
+    return mark.gone(np.array(moves)) if isinstance(mark, ALONG) else mark
 
 
 @dataclass(eq=False)
@@ -110,16 +121,16 @@ class _DrawnShape:
         """Displacements [m] in space of places [m]: those of the shape there; beside it, of its nearest node."""
         if not len(self.points):
             return [[0.0] * SPACE for _ in places]
-        if not self._flat and len(self.points) * len(places) <= AT_ONCE:
-            return self._nearest(places)
-        return [self._moves(place) for place in places]
+        if self._flat:
+            return [self._moves(place) for place in places]
+        some = max(AT_ONCE // len(self.points), 1)
+        parts = (places[first : first + some] for first in range(0, len(places), some))
+        return [own for part in parts for own in self._nearest(part)]
 
     def _nearest(self, places: Sequence[Sequence[float]]) -> list[list[float]]:
         """Displacements in space of the nearest nodes, which are found for all places at once."""
         d = self.points.shape[1]
-        wanted = np.zeros((len(places), d))
-        given = np.array(places)[:, :d]
-        wanted[:, : given.shape[1]] = given
+        wanted = np.array([[*place, *[0.0] * SPACE][:d] for place in places])
         points = cast("Reals", self.points)
         nodes = ((points - wanted[:, None]) ** 2).sum(axis=2).argmin(axis=1)
         found: list[list[float]] = self.displacement[nodes].tolist()
