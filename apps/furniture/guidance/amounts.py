@@ -17,14 +17,30 @@ def unit_of(number: int) -> str:
     return "rad" if 3 <= number < 6 else "m"
 
 
+LENGTHS = np.array([unit_of(number) == "m" for number in range(8)])
+"""Which design parameters of a plank are moves or lengths."""
+EQUAL = 9
+"""Decimals to which changes of two parameters are compared."""
+
+
 def parameters(piece: Piece, direction: np.ndarray) -> list[tuple[int, int]]:
     """Planks and numbers of the design parameters that a direction (n, 8) changes, that which changes most first.
 
     Moves and lengths count in parts of the piece's size, turns in radians.
     """
-    scale = np.where([unit_of(number) == "m" for number in range(8)], piece.size, 1.0)
-    share = np.abs(direction) / scale
-    return sorted(((int(p), int(f)) for p, f in np.argwhere(direction)), key=lambda one: (-round(share[one], 9), one))
+    share = _shares(piece, direction)
+    return sorted(((int(p), int(f)) for p, f in np.argwhere(direction)), key=lambda one: (-share[one], one))
+
+
+def leading_parameter(piece: Piece, direction: np.ndarray) -> tuple[int, int]:
+    """The first of the parameters that a direction (n, 8) changes."""
+    plank, number = divmod(int(_shares(piece, direction).argmax()), direction.shape[1])
+    return plank, number
+
+
+def _shares(piece: Piece, direction: np.ndarray) -> np.ndarray:
+    """How much a direction changes each design parameter (n, 8): in parts of the piece's size, or in radians."""
+    return np.round(np.abs(direction) / np.where(LENGTHS, piece.size, 1.0), EQUAL)
 
 
 def named(piece: Piece, direction: np.ndarray) -> str:

@@ -132,7 +132,7 @@ class DesignDirection:
     @cached_property
     def unit(self) -> str:
         """The unit of the parameter, "m" or "rad"."""
-        return amounts.unit_of(amounts.parameters(self.design.piece, self.direction)[0][1])
+        return amounts.unit_of(amounts.leading_parameter(self.design.piece, self.direction)[1])
 
     @cached_property
     def ranges(self) -> Ranges:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from restshape_apps.furniture.physics.foot_forces import foot_forces
@@ -20,18 +21,63 @@ if TYPE_CHECKING:
     from restshape_apps.furniture.shape.planks import Piece
 
 
-def force_marks(model: Furniture, geometry: Geometry, every: Sequence[Forces]) -> list[Mark]:
-    """Forces of feet, loads and joints.
+class ForceMarks:
+    """Makes the marks of each frame of a piece.
 
     Args:
-        model: of the piece, which says what acts in each case; geometry: as the piece is now.
-        every: forces of each case; empty where there are none, as joints are lost: then loads alone are shown.
+        model: of the piece, which says what acts in each case.
     """
-    case = worst_of(every) if every else 0
-    marks = [_loads(model, geometry, case)]
-    if every:
-        marks = [_feet(geometry, every[case]), *marks, *_joints(model.piece, geometry, every)]
-    return [mark for mark in marks if mark is not None]
+
+    def __init__(self, model: Furniture) -> None:
+        self._model = model
+        self._loads: dict[int, ActingLoads] = {}
+
+    def __call__(self, geometry: Geometry, every: Sequence[Forces]) -> list[Mark]:
+        """Forces of feet, loads and joints.
+
+        Args:
+            geometry: as the piece is now.
+            every: forces of each case; empty where there are none, as joints are lost: then loads alone are shown.
+        """
+        case = worst_of(every) if every else 0
+        if case not in self._loads:
+            self._loads[case] = ActingLoads.of(self._model, case)
+        marks = [self._loads[case].mark(geometry)]
+        if every:
+            marks = [_feet(geometry, every[case]), *marks, *_joints(self._model.piece, geometry, every)]
+        return [mark for mark in marks if mark is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class ActingLoads:
+    """The weights, and the push of a case.
+
+    Args:
+        planks: (k,) on which they act; places: (k, 3) where, in parts of their sizes from their centres.
+        forces: (k, 3) [N]; words: of each.
+    """
+
+    planks: np.ndarray
+    places: np.ndarray
+    forces: np.ndarray
+    words: Sequence[str]
+
+    @classmethod
+    def of(cls, model: Furniture, case: int) -> Self:
+        """Those of a case of a model."""
+        loads, forces = (*model.piece.weights, *model.piece.pushes), model.cases[case]
+        acting = np.flatnonzero(forces.any(axis=1))
+        planks, places = np.array([one.plank for one in loads]), np.array([one.place for one in loads])
+        words = [f"{loads[k].name} {si(float(np.sqrt(forces[k] @ forces[k])), 'N')}" for k in acting.tolist()]
+        return cls(planks[acting], places[acting], forces[acting], words)
+
+    def mark(self, geometry: Geometry) -> Mark | None:
+        """Their arrows on the piece as it is; None where there are none."""
+        if not self.words:
+            return None
+        arms = (self.places * geometry.size[self.planks])[:, :, None]
+        at = geometry.centre[self.planks] + (geometry.axes[self.planks] @ arms)[:, :, 0]
+        return Arrows("loads", at, self.forces, "N", "load", self.words, None, [True] * len(self.words))
 
 
 def _feet(geometry: Geometry, forces: Forces) -> Mark | None:
@@ -41,19 +87,6 @@ def _feet(geometry: Geometry, forces: Forces) -> Mark | None:
         return None
     words = [si(float(size), "N") for size in np.sqrt((vectors**2).sum(axis=1))]
     return Arrows("forces of feet", places, vectors, "N", "force", words, None, [True] * len(places))
-
-
-def _loads(model: Furniture, geometry: Geometry, case: int) -> Mark | None:
-    """The weights, and the push of the case."""
-    piece, forces = model.piece, model.cases[case]
-    loads = (*piece.weights, *piece.pushes)
-    acting = [k for k in range(len(loads)) if forces[k].any()]
-    if not acting:
-        return None
-    planks, places = [loads[k].plank for k in acting], np.array([loads[k].place for k in acting])
-    at = geometry.centre[planks] + np.einsum("kij,kj->ki", geometry.axes[planks], places * geometry.size[planks])
-    words = [f"{loads[k].name} {si(float(np.sqrt(forces[k] @ forces[k])), 'N')}" for k in acting]
-    return Arrows("loads", at, forces[acting], "N", "load", words, None, [True] * len(acting))
 
 
 def _joints(piece: Piece, geometry: Geometry, every: Sequence[Forces]) -> list[Mark]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-from restshape_apps.furniture.marks.joint_marks import force_marks
+from restshape_apps.furniture.marks.joint_marks import ForceMarks
 from restshape_apps.furniture.marks.offer_marks import OfferMarks
 from restshape_apps.furniture.marks.range_marks import RangeMarks
 from restshape_apps.furniture.physics.furniture import Furniture
@@ -44,6 +44,7 @@ class PieceMarks:
         self._model: Furniture | None = None
         self._design: Design | None = None
         self._ranges, self._offers = RangeMarks(), OfferMarks()
+        self._forces: ForceMarks
         self._borne: tuple[TestResult | None, list[Mark]] = (None, [])
         self._known, self._said = ("", ""), list[Mark]()
 
@@ -56,8 +57,7 @@ class PieceMarks:
             return []
         model = self._model_of(analysis.design)
         if analysis.result is not self._borne[0]:
-            marks = force_marks(model, model.geometry(analysis.gamma), analysis.forces)
-            self._borne = analysis.result, marks
+            self._borne = analysis.result, self._forces(model.geometry(analysis.gamma), analysis.forces)
         # What is under a hand is no suggestion.
         chosen = session.chosen if analysis.design_direction is None or row["event"] == "slide" else None
         return [
@@ -78,6 +78,7 @@ class PieceMarks:
         """A model of a design that may be changed."""
         if self._model is None or design is not self._design:
             self._design, self._model = design, Furniture(design.piece, design.furniture.compliance)
+            self._forces = ForceMarks(self._model)
         return self._model
 
 

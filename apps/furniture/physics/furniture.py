@@ -1,6 +1,7 @@
 """Furniture: the compiled model of a piece, its tests, and what they found."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from restshape_apps.furniture import _kernels
@@ -9,7 +10,7 @@ from restshape_apps.furniture.physics.fasteners import strengths, wood
 from restshape_apps.furniture.physics.plank_findings import FlawNumbers
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.sliding import ROUGH, friction_needed, mass_needed
-from restshape_apps.furniture.shape.planks import Joint, Piece, parts_of
+from restshape_apps.furniture.shape.planks import CORNERS, Joint, Piece, parts_of
 
 from restshape.errors import UserError
 from restshape.findings import Finding
@@ -141,13 +142,13 @@ class Forces:
     twist_utilisation: np.ndarray
     moments: bool = False
 
-    @property
+    @cached_property
     def utilisation(self) -> np.ndarray:
         """The utilisation (j,) of each joint's strength, of all that counts."""
         counted = np.maximum(self.pull_utilisation, self.shear_utilisation)
         return np.maximum(counted, self.moment_utilisation) if self.moments else counted
 
-    @property
+    @cached_property
     def moment_utilisation(self) -> np.ndarray:
         """The utilisation (j,) of each joint's strength by the moments about x and n."""
         return np.maximum(self.line_utilisation, self.twist_utilisation)
@@ -261,6 +262,12 @@ class Furniture:
         """The piece at design parameters (n, 8), its joints closed."""
         raw = self.kernel.shape(gamma)
         return self.piece.placed(raw["centre"], raw["axes"], raw["size"])
+
+    def corners(self, gamma: np.ndarray | None = None) -> np.ndarray:
+        """The corners (8 n, 3) [m] of its planks at design parameters (n, 8), plank by plank."""
+        raw = self.kernel.shape(gamma)
+        ways = (CORNERS * raw["size"][:, None]) @ np.swapaxes(raw["axes"], 1, 2)
+        return (raw["centre"][:, None] + ways).reshape(-1, 3)
 
     def forces(self, case: int = 0) -> Forces:
         """Forces of a case at the last test."""

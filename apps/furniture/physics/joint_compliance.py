@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from restshape_apps.furniture import _kernels
@@ -36,7 +36,7 @@ class UtilisationRange:
     high: np.ndarray
     changes: bool
 
-    @property
+    @cached_property
     def redundant(self) -> np.ndarray:
         """Numbers of the joints whose utilisation depends on the ratios."""
         return np.flatnonzero(self.high > self.low + SPREAD)

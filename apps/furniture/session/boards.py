@@ -68,14 +68,13 @@ class MovingBoards:
         if same:
             self.mesh = Boards(frame, old.X, old.cells, old.topology)
             return MeshUpdate.nothing()
-        planks = frame.design.furniture.moved(frame.gamma).planks
-        if old is None or len(old.cells) != len(planks):
+        furniture = frame.design.furniture
+        if old is None or len(old.cells) != furniture.count:
             self._topology += 1
-            cells = 8 * np.arange(len(planks), dtype=np.int32)[:, None] + CORNERS
+            cells = 8 * np.arange(furniture.count, dtype=np.int32)[:, None] + CORNERS
         else:
             cells = old.cells
-        X = np.concatenate([plank.corners() for plank in planks])
-        self.mesh = Boards(frame, X, cells, self._topology)
+        self.mesh = Boards(frame, furniture.corners(frame.gamma), cells, self._topology)
         advance = MeshUpdate.nothing()
         moves = frame.change not in ("start", "none", "values")
         stages = {"relocate": perf_counter() - start}

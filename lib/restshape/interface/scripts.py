@@ -12,7 +12,7 @@ from restshape.errors import UserError, quoted
 from restshape.interface.plain import plain
 from restshape.interface.saved import save_text
 from restshape.scene import edit_script
-from restshape.scene.edit_script import FORMAT, VERSION, Drag, Header, Script
+from restshape.scene.edit_script import FORMAT, VERSION, Header, Script
 from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
@@ -98,7 +98,11 @@ class WrittenScript:
         """
         events = self._reader.events
         last = events[-1] if events else None
-        if type(last) is not Drag or last.to is None or last.model_fields_set != MOTION or len(to) != len(last.to):
+        # Applications have events of their own by this name.
+        before = getattr(last, "to", None)
+        if last is None or last.do != "drag" or before is None or last.model_fields_set != MOTION:
+            return None
+        if len(to) != len(before):
             return None
         for one in to:
             if not isinstance(one, float) or not isfinite(one):
@@ -220,12 +224,12 @@ class WrittenScript:
         return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
 
 
-def _at_another_place(last: Drag, line: int, t: float, to: tuple[float, ...]) -> Drag:
+def _at_another_place(last: EventLine, line: int, t: float, to: tuple[float, ...]) -> EventLine:
     """A drag as another one, which is valid, but for its line, time and place.
 
     It is what `model_copy` makes of it with an update, which would look at each field first.
     """
-    event = Drag.__new__(Drag)
+    event = type(last).__new__(type(last))
     put = object.__setattr__
     put(event, "__dict__", last.__dict__ | {"line": line, "t": t, "to": to})
     for name in ("__pydantic_fields_set__", "__pydantic_extra__", "__pydantic_private__"):

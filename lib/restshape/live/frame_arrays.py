@@ -49,6 +49,11 @@ def sent_indices(indices: AnyArray, count: int) -> AnyArray:
     return indices.astype(SHORT if count <= 1 << 16 else LONG, order="C")
 
 
+def same_bytes(one: AnyArray, other: AnyArray) -> bool:
+    """Whether two arrays would travel as the same bytes, as numbers that are none do, too."""
+    return one.shape == other.shape and one.dtype == other.dtype and one.tobytes() == other.tobytes()
+
+
 class MessageBody:
     """The arrays of a message, one after the other.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.arrays import AnyArray, Complexes, Indices, Reals
 from restshape.errors import UserError
-from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
+from restshape.live.frame_arrays import PicturePart, same_bytes, sent_indices, sent_points
 from restshape.shape.curves import arc_fraction
 from restshape.shape.outline import Outline
 
@@ -147,7 +147,7 @@ class OutlineParts:
 def _moved(part: PicturePart, points: AnyArray) -> PicturePart:
     """Dots at other places; the same ones where they are the same."""
     before = part.arrays.get("points")
-    if before is not None and before.tobytes() == points.tobytes():
+    if before is not None and same_bytes(before, points):
         return part
     return PicturePart(part.name, part.kind, part.role, {"points": points}, part.said)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.arrays import AnyArray, Indices, Reals
-from restshape.live.frame_arrays import PicturePart, sent_points
+from restshape.live.frame_arrays import PicturePart, same_bytes, sent_points
 from restshape.live.shifted_points import ShiftedPoints
 from restshape.live.surface_cells import ShownTriangles, triangles_of
 
@@ -147,7 +147,7 @@ class ShapeSurface:
     def _kept(self, key: str, found: AnyArray) -> AnyArray:
         """An array, or that of before where it is the same."""
         before = self._known.get(key)
-        if before is not None and not self._moved and np.array_equal(before, found, equal_nan=True):
+        if before is not None and not self._moved and same_bytes(before, found):
             return before
         self._known[key] = found
         return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.arrays import AnyArray, Reals
-from restshape.live.frame_arrays import sent_points
+from restshape.live.frame_arrays import same_bytes, sent_points
 
 SPACE = 3
 """Coordinates of the vector."""
@@ -33,7 +33,7 @@ class ShiftedPoints:
         found = sent_points(points) if sent is None else sent
         before = self._from
         if before is not None and found.shape == self._sent.shape and len(found):
-            if np.array_equal(found, self._sent, equal_nan=True):
+            if same_bytes(found, self._sent):
                 return self._sent, None
             way = _way(before, points)
             if way is not None:

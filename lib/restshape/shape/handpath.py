@@ -90,6 +90,8 @@ Place = TypeVar("Place", bound=tuple[float, ...])
 
 def resampled(start: Place, path: Sequence[Place], frames: int) -> list[Place]:
     """As many cursor positions as frames, evenly along start and path by number, the last one exactly."""
+    if frames == 1:
+        return [path[-1]]
     chain = np.array([start, *path], dtype=float)
     places = np.arange(1, frames + 1) * (len(path) / frames)
     columns = [np.interp(places, np.arange(len(chain)), column) for column in chain.T]
