@@ -221,6 +221,12 @@ def test_new_scene_and_check(tmp_path, capsys):
     assert main(["check", str(tmp_path / "bar" / "scene.toml"), str(tmp_path / "bar" / "edits.jsonl")]) == 0
 
 
+def test_check_names_a_grain_where_there_is_one(capsys):
+    assert main(["check", str(SCENES / "rosewood.toml")]) == main(["check", str(SCENES / "square.toml")]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("material ")]
+    assert ["grain 0 rad" in line for line in lines] == [True, False]
+
+
 @pytest.mark.parametrize(
     "scene, override, reported",
     [

@@ -304,10 +304,11 @@ def _symbol(scene: Scene, key: Key) -> str:
 
 def _material(material: Material, effects: Plan, parameters: Mapping[str, float]) -> str:
     """The values of a material; of plane strain without a thickness the depth that forces and energies are of."""
+    without = () if getattr(material, "orthotropic", None) else ("grain",)
     models = (getattr(effects.settings(name), "model", "") for name in ("solid", "modal"))
     if "plane_strain" in models and "thickness" not in material.model_fields_set:
-        return f"{keys_in_words(material, ('thickness',), parameters)}, in plane strain: 1 m of depth"
-    return keys_in_words(material, (), parameters)
+        return f"{keys_in_words(material, (*without, 'thickness'), parameters)}, in plane strain: 1 m of depth"
+    return keys_in_words(material, without, parameters)
 
 
 def _parameter(scene: Scene, name: str) -> str:
