@@ -58,6 +58,17 @@ def test_the_end_of_a_drag_makes_no_factor(rows):
     assert happened(rows["none"][1:2], "MatLUFactorNum") == 0
 
 
+def test_an_area_is_known_in_predicted_frames(tmp_path):
+    """It does not depend on the flow, which a prediction lacks; a pressure does."""
+    begin_log()
+    scene = tmp_path / "area.toml"
+    asked = 'area = { area = true }\nahead = { pressure = true, at = "body" }\n'
+    scene.write_text(SCENE.read_text(encoding="utf-8") + asked, encoding="utf-8")
+    rows = [row for row in watched(scene, EDITS, predict="linear")[0] if row["predicted"]]
+    assert rows and all(row["area_distance"] == 0.0 for row in rows)
+    assert all(row["ahead_distance"] > 0.0 for row in rows)
+
+
 @pytest.mark.slow
 def test_each_predicted_quantity_says_how_far_off_it_is(tmp_path):
     """A body that leaves the wake of another: its drag is farther off than velocities are, and that of the other less.

@@ -40,11 +40,11 @@ class SteadyFlowPredictor(SteadyPredictor):
         """As of `SteadyPredictor`, but at least the share of each quantity by which velocities may be off.
 
         A step with the kept factor is one of an equation that is not linear: what it leaves of a drag may be larger
-        than what it changes.
+        than what it changes. What it leaves to the last bit, such as an area, does not depend on the flow.
         """
         found, share = super().quantity_distances(), self.analysis.errors().get("estimate", 0.0)
         shown = self.analysis.observe() if found else {}
-        return {name: max(one, share * abs(shown[name])) for name, one in found.items()}
+        return {name: max(one, share * abs(shown[name])) if one else 0.0 for name, one in found.items()}
 
     def _distance(self, predicted: np.ndarray, exact: np.ndarray) -> float:
         return distance(self.analysis.problem, predicted - exact, exact)
