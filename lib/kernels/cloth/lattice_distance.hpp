@@ -100,37 +100,11 @@ class LatticeDistance {
         }
     }
 
-    // The smaller of squares of distances and those of a triangle: see nearest_place, of which all cases are chosen
-    // from.
+    // The smaller of squares of distances and those of a triangle.
     [[gnu::always_inline]] static void closer(const Face& face, const Pack* y, Pack& found) {
-        double ab[3], ac[3];
-        Pack ab_a{}, ac_a{}, ab_b{}, ac_b{}, ab_c{}, ac_c{};
-        for (int k = 0; k < 3; ++k) {
-            ab[k] = face.x[1][k] - face.x[0][k], ac[k] = face.x[2][k] - face.x[0][k];
-            const Pack a = y[k] - face.x[0][k], b = y[k] - face.x[1][k], c = y[k] - face.x[2][k];
-            ab_a += ab[k] * a, ac_a += ac[k] * a, ab_b += ab[k] * b, ac_b += ac[k] * b;
-            ab_c += ab[k] * c, ac_c += ac[k] * c;
-        }
-        const Pack zero{}, one = zero + 1.0;
-        const Pack above_ab = ab_a * ac_b - ab_b * ac_a, above_ac = ab_c * ac_a - ab_a * ac_c;
-        const Pack above_bc = ab_b * ac_c - ab_c * ac_b, all = above_bc + above_ac + above_ab;
-        const Pack from_b = ac_b - ab_b, from_c = ab_c - ac_c;
-        Pack u = above_ac / all, v = above_ab / all;
-        const auto choose = [&](auto where, const Pack& new_u, const Pack& new_v) {
-            u = where ? new_u : u, v = where ? new_v : v;
-        };
-        const Pack along = from_b / (from_b + from_c);
-        choose((above_bc <= 0.0) & (from_b >= 0.0) & (from_c >= 0.0), one - along, along);
-        choose((above_ac <= 0.0) & (ac_a >= 0.0) & (ac_c <= 0.0), zero, ac_a / (ac_a - ac_c));
-        choose((above_ab <= 0.0) & (ab_a >= 0.0) & (ab_b <= 0.0), ab_a / (ab_a - ab_b), zero);
-        choose((ac_c >= 0.0) & (ab_c <= ac_c), zero, one);
-        choose((ab_b >= 0.0) & (ac_b <= ab_b), one, zero);
-        choose((ab_a <= 0.0) & (ac_a <= 0.0), zero, zero);
-        Pack square{};
-        for (int k = 0; k < 3; ++k) {
-            const Pack way = y[k] - (face.x[0][k] + (u * ab[k] + v * ac[k]));
-            square += way * way;
-        }
+        Pack at[3], square{};
+        nearest_place(face.x[0], face.x[1], face.x[2], y, at);
+        for (int k = 0; k < 3; ++k) square += (y[k] - at[k]) * (y[k] - at[k]);
         found = square < found ? square : found;
     }
 
