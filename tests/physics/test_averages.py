@@ -50,6 +50,19 @@ def test_weights_of_a_curved_side_are_its_length_and_those_of_its_triangle_its_a
     np.testing.assert_allclose(facet_weights(X, np.array([[0, 1]], dtype=np.int32)), [[0.5, 0.5]])
 
 
+@pytest.mark.parametrize("count", [3, 400])
+def test_few_nodes_of_many_have_the_mean_of_all_weights(count):
+    """In any order, and one of them twice: as by the weights of all nodes."""
+    rng = np.random.default_rng(1)
+    X, places = rng.normal(size=(1000, 2)), rng.integers(0, 1000, (2000, 2)).astype(np.int32)
+    nodes = rng.permutation(places[:, 0])[:count].copy()
+    nodes[1] = nodes[0]
+    values, each = rng.normal(size=count), _kernels.place_weights(X, places, "facets")
+    weights = np.bincount(places.ravel(), each.ravel(), len(X))[nodes]
+    found = _kernels.mean_at(X, places, "facets", nodes, values)
+    assert found == pytest.approx((weights * values).sum() / weights.sum(), rel=1e-12)
+
+
 def test_a_mean_follows_flips_and_nodes():
     """Two triangles of a square of which one diagonal counts double, then the other; then the square is a trapezium."""
     X = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])

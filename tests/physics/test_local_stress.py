@@ -1,10 +1,13 @@
 """Stresses at few nodes, from the cells around them, have the bits of those of the whole; they cost what is few."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from small_scenes import write_scene
 from test_shared_solid import FIRST, LARGE, SCENE, whole
 
+from restshape.fem.residuals import unconstrained_residual
 from restshape.interface.first_frame import first_frame
 from restshape.mesh.reconnect import Reconnection
 from restshape.physics.elasticity import local_stress
@@ -69,3 +72,17 @@ def test_what_looks_at_a_point_costs_a_point(tmp_path):
     observer = solid.observer(solid.scene.quantities)
     assert len(analysis.space.cells) >= local_stress.LEAST_CELLS
     assert np.isfinite(list(observer(analysis.x).values())).all() and not solid.nodal_stress._found
+
+
+def test_a_reaction_takes_no_room_for_all_nodes(tmp_path):
+    """From the second state on; what was left of the first one does not count."""
+    scene = SCENE[: SCENE.index("work =")] + 'wall = { reaction = "x", at = "left" }\n'
+    analysis = first_frame(write_scene(tmp_path, scene), [FIRST, "mesh.size=0.018"]).analysis
+    solid, x = whole(analysis), analysis.x
+    observer, nodes = solid.observer(solid.scene.quantities), np.flatnonzero(solid.boundary.mask[:, 0])
+    observer(x)
+    tracemalloc.start()
+    found = observer(1.5 * x)["wall"]
+    assert tracemalloc.get_traced_memory()[1] < 1.5 * x.nbytes
+    tracemalloc.stop()
+    assert found == unconstrained_residual(solid, 1.5 * x)[nodes, 0].sum() == pytest.approx(1.5 * observer(x)["wall"])

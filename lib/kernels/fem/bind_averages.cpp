@@ -2,8 +2,10 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "fem/averages.hpp"
@@ -45,19 +47,46 @@ py::array_t<double> place_weights(const Reals& X, const Ints& places, const std:
     return out;
 }
 
+// A sum for each of some nodes: where they are few of all, room is taken for them alone.
+class NodeSums {
+ public:
+    NodeSums(std::vector<int32_t> nodes, py::ssize_t all) {
+        constexpr py::ssize_t few = 50;
+        dense_ = few * static_cast<py::ssize_t>(nodes.size()) > all;
+        if (!dense_) {
+            std::sort(nodes.begin(), nodes.end());
+            nodes_ = std::move(nodes);
+        }
+        sums_.assign(dense_ ? all : static_cast<py::ssize_t>(nodes_.size()), 0.0);
+    }
+
+    // That of a node; null where there is none.
+    double* of(int32_t node) {
+        if (dense_) return &sums_[node];
+        const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), node);
+        return found != nodes_.end() && *found == node ? &sums_[found - nodes_.begin()] : nullptr;
+    }
+
+ private:
+    bool dense_;
+    std::vector<int32_t> nodes_;  // ascending
+    std::vector<double> sums_;
+};
+
 double mean_at(const Reals& X, const Ints& places, const std::string& of, const Ints& at, const Values& values) {
     if (at.size() != values.size()) throw std::invalid_argument("there must be as many values as nodes");
     if (!restshape::all_within(at.data(), at.size(), X.shape(0)))
         throw std::invalid_argument("there are nodes that do not exist");
-    std::vector<double> weight(X.shape(0), 0.0);
+    NodeSums weight({at.data(), at.data() + at.size()}, X.shape(0));
     const int32_t* node = places.data();
-    const py::ssize_t nodes = places.ndim() == 2 ? places.shape(1) : 0;
+    const py::ssize_t count = places.ndim() == 2 ? places.shape(1) : 0;
     each_weighted(X, places, of, [&](py::ssize_t e, const double* w) {
-        for (py::ssize_t i = 0; i < nodes; ++i) weight[node[e * nodes + i]] += w[i];
+        for (py::ssize_t i = 0; i < count; ++i)
+            if (double* own = weight.of(node[e * count + i])) *own += w[i];
     });
     double sum = 0.0, all = 0.0;
     for (py::ssize_t k = 0; k < at.size(); ++k) {
-        const double w = weight[at.data()[k]];
+        const double w = *weight.of(at.data()[k]);
         sum += w * values.data()[k];
         all += w;
     }

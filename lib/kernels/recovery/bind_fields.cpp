@@ -73,7 +73,7 @@ void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& str
     const double* of = stress.data();
     double* to = out.mutable_data();
     patches.run(
-        X.data(),
+        X.data(), nullptr,
         [of](const int* cells, int, const Nodes&, const Corners&, Values& found) {
             for (int lane = 0; lane < restshape::pack_lanes; ++lane)
                 for (int i = 0; i < 4; ++i) found[i][lane] = of[4 * static_cast<size_t>(cells[lane]) + i];
@@ -104,7 +104,7 @@ void recover_triangles(restshape::PatchRecovery& patches, const Reals& X, const 
     double* energies = energy.mutable_data();
     const restshape::TriangleLoop loop(on);
     patches.run(
-        X.data(),
+        X.data(), x.data(),
         [&](const int* cells, int count, const Nodes& nodes, const Corners& corners, Values& found) {
             const restshape::PackedStress own = loop.stress(nodes, corners, [cells](int lane) { return cells[lane]; });
             found[0] = own.xx, found[1] = own.yy, found[2] = own.xy, found[3] = own.zz;

@@ -47,13 +47,16 @@ class PatchRecovery {
     int least_nodes() const { return rows_.least_nodes(); }
     const int32_t* nodes() const { return rows_.nodes(); }  // (ne, 3), of the corners
 
-    // Recovers at nodes X (n, 2). `give(cells, count, nodes, corners, found)` finds the values of some cells, a lane
-    // each, from their nodes and the places (2, 3) of these; of some cells more than once. `take(rows, count, found)`
-    // gets those of rows likewise, of rows without a polynomial of their own a second time, which counts.
+    // Recovers at nodes X (n, 2), where `also` (n, 2) are other numbers of nodes that are read, or null. `give(cells,
+    // count, nodes, corners, found)` finds the values of some cells, a lane each, from their nodes and the places (2,
+    // 3) of these; of some cells more than once. `take(rows, count, found)` gets those of rows likewise, of rows
+    // without a polynomial of their own a second time, which counts.
     template <class Give, class Take>
-    void run(const double* X, const Give& give, const Take& take) {
+    void run(const double* X, const double* also, const Give& give, const Take& take) {
         late_.clear();
         for (int block = 0; block < rows_.blocks(); ++block) {
+            fetch(block + 1, X);
+            if (also) fetch(block + 1, also);
             fill(X, rows_.block_cells(block), rows_.block_size(block), give);
             late_.insert(late_.end(), rows_.border(block), rows_.border(block + 1));
             for (int group = rows_.first_group(block); group < rows_.first_group(block + 1); ++group)
@@ -69,6 +72,14 @@ class PatchRecovery {
     }
 
  private:
+    // Numbers (n, 2) of the nodes of a block, which are neighbours in memory: they arrive while the one before is
+    // taken.
+    void fetch(int block, const double* numbers) const {
+        constexpr int nodes_a_line = 4;
+        for (int row = rows_.begin(block); row < rows_.begin(block + 1); row += nodes_a_line)
+            __builtin_prefetch(numbers + 2 * static_cast<size_t>(*rows_.node_of(row)), 0, 2);
+    }
+
     // Values and centres of these cells, side by side; behind them one is repeated until all lanes are filled.
     template <class Give>
     void fill(const double* X, const int* cells, int count, const Give& give) {

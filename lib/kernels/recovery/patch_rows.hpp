@@ -50,6 +50,7 @@ class PatchRows {
     int corner_of(int e, int row) const { return this->row(e, 0) == row ? 0 : this->row(e, 1) == row ? 1 : 2; }
 
     int blocks() const { return static_cast<int>(block_.size()) - 1; }
+    int begin(int block) const { return std::min(count(), block << block_bits); }
     // Behind them the last one is repeated until all lanes are filled.
     const int* block_cells(int block) const { return in_blocks_.data() + block_[block]; }
     int block_size(int block) const { return filled_[block] - block_[block]; }

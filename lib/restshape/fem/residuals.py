@@ -19,14 +19,17 @@ def dead_loads(problem: SteadyProblem, out: np.ndarray) -> None:
     problem.boundary.zero(out)
 
 
-def unconstrained_residual(problem: SteadyProblem, x: np.ndarray, cells: np.ndarray | None = None) -> np.ndarray:
+def unconstrained_residual(
+    problem: SteadyProblem, x: np.ndarray, cells: np.ndarray | None = None, out: np.ndarray | None = None
+) -> np.ndarray:
     """Internal less all applied forces or fluxes (n, f) at x (n, f), reactions not taken out.
 
     Args:
         cells: (k,) int32 that alone count; None: all.
+        out: (n, f) that they are added to.
     """
     kinds = (INTERNAL, LOADS, FOLLOWERS)
-    out = Assembled(integral for kind in kinds for integral in problem.integrals(kind)).residual(x, None, cells)
+    out = Assembled(integral for kind in kinds for integral in problem.integrals(kind)).residual(x, out, cells)
     problem.add_nodal_loads(out, -1.0, cells)
     return out
 

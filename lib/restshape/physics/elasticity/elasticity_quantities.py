@@ -56,6 +56,7 @@ class PlaneQuantities:
     def __init__(self, solid: ObservedSolid) -> None:
         self.solid, self.space = solid, solid.space
         self._around: dict[str, tuple[int | None, np.ndarray]] = {}
+        self._rest = np.empty((0, 2))
         self._goals: dict[tuple[str, str], tuple[Goal, int, CurveDistances]] = {}
 
     def __call__(self, name: str, quantity: Quantity) -> Function:
@@ -113,7 +114,15 @@ class PlaneQuantities:
 
     def reaction(self, name: str, nodes: np.ndarray, column: int) -> Function:
         """The component of the force [N] of supports at the nodes (k,): the residual there."""
-        return lambda x, *_: unconstrained_residual(self.solid, x, self._cells(name, nodes))[nodes, column].sum()
+
+        def force(x: np.ndarray, *_: object) -> float:
+            if self._rest.shape != x.shape:
+                self._rest = np.zeros(x.shape)
+            # What was left at other nodes is never read: all of them again would take as long as the cells around few.
+            self._rest[nodes] = 0.0
+            return unconstrained_residual(self.solid, x, self._cells(name, nodes), self._rest)[nodes, column].sum()
+
+        return force
 
     def _internal_forces(self, x: np.ndarray, cells: np.ndarray | slice) -> np.ndarray:
         """The derivative (n, 2) [N] of the strain energy of cells."""
