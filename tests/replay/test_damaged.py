@@ -144,11 +144,14 @@ def craft(file: h5py.File, name: str) -> None:
     elif name == "times":
         del root["Steps/Values"]
         root.create_group("Steps/Values")
+    elif name == "group":
+        del root["Offsets"]
+        root.create_group("Offsets")
 
 
 CRAFTED = (
     *("huge", "count", "steps", "negative", "circle", "deep", "list"),
-    *("title", "quantities", "limits", "header", "objects", "packed", "none", "times"),
+    *("title", "quantities", "limits", "header", "objects", "packed", "none", "times", "group"),
 )
 
 

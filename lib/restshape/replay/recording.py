@@ -127,6 +127,8 @@ class Recording:
         self._steps = {name: place[: self.n].reshape(-1) for name, place in places.items()}
         self._parts = {name: root[name][()] for name in PARTS}
         self._data = {name: root[name] for name in ARRAYS if name in root}
+        if groups := [name for name, item in self._data.items() if not isinstance(item, h5py.Dataset)]:
+            raise ValueError(f"{groups[0]} is no array")
         if "Values" not in self._steps or min(map(len, (self._rows, *self._steps.values()))) < self.n:
             raise ValueError("frames are missing")
         self.fields: dict[str, FieldInfo] = {}
