@@ -105,6 +105,18 @@ def test_a_way_that_softens_the_membrane_is_not_trusted(rows):
     assert list(rows(trusted)["untrusted"]) == [""]
 
 
+def test_one_method_alone_leaves_to_its_rounds_how_far_cloth_slides(rows, monkeypatch):
+    """Descents of other strategies bound that by what is pressed; it has changed since, and may be fewer places."""
+    from restshape.physics.cloth.relaxation import cloth_slide
+
+    def reached(*_):
+        raise AssertionError("the bound of another descent was asked")
+
+    monkeypatch.setattr(cloth_slide.ClothSlide, "reached", reached)
+    found = rows("effects.cloth.trusted_strain=0.2", more=BALL)
+    assert found["converged"][0] == 1 and found["relaxation_steps"][0] > 0
+
+
 def test_all_reasons_and_notes_are_in_replay_and_report(tmp_path, capsys):
     (tmp_path / "strip.toml").write_text(STRIP)
     lines = [{"format": "restshape-edits", "version": 1, "scene": "strip.toml", "units": "m"}]

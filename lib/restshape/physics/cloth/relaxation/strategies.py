@@ -71,7 +71,8 @@ def descended(
     equations.stabilised, equations.inertia = stabilised, FREELY / solver.problem.swing_time**2
     reach = solver.motion.reach
     descent = Descent(solver.comm, f"drape_{kind}_", equations, x.shape, equations.rows, kind, reach=reach)
-    descent.on_step, descent.step_share = solver.descent.on_step, solver.problem.step_share
+    # Friction follows after each run, however far the cloth slides in it.
+    descent.on_step, descent.step_share = solver.note, solver.problem.step_share
     try:
         return _in_rounds(solver, descent, lambda: descent.steps, x, most, report)
     finally:
