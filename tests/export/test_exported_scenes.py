@@ -1,5 +1,8 @@
 """An exported scene is the edited one: same names, same curves, same first frame, and edits go on from there."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from edited_shapes import ALL_KINDS, EDITS, edited
@@ -8,10 +11,11 @@ from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, STEEL, meshed, write_script
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.export import toml_scene
+from restshape.export.edited_frame import frame_of_script
 from restshape.export.toml_scene import write_toml
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
-from restshape.scene.edit_script import load_script
+from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
@@ -133,3 +137,18 @@ def test_a_refusal_is_put_down_to_the_size_where_it_is_one_of_distances(tmp_path
     (note,) = write_toml(edited(tmp_path), tmp_path / "out.toml")
     why = f", for distances are measured by its size now: {what}" if noted else f": {what}; mend it"
     assert note == f"a scene of this shape is refused{why}"
+
+
+def test_a_scene_of_a_mesh_file_gets_the_size_of_new_meshes(tmp_path):
+    """About 2,000 triangles on its area; a size of its own stays."""
+    shutil.copy(Path(__file__).parents[2] / "meshes" / "bracket.inp", tmp_path)
+    for given in (None, 0.02):
+        size = "" if given is None else f"size = {given}\n"
+        scene = tmp_path / "part.toml"
+        scene.write_text(f'{HEAD}[mesh]\nfile = "bracket.inp"\nunit = "mm"\n{size}{STEEL}', encoding="utf-8")
+        read = load_scene(scene)
+        write_toml(frame_of_script(read, Script.empty(read), 0), tmp_path / "out.toml")
+        back = load_scene(tmp_path / "out.toml")
+        area = outline_from_spec(back.shape).area()
+        assert back.mesh.file is None
+        assert back.mesh.size == given or area / (back.mesh.size**2 * 3**0.5 / 4) == pytest.approx(2000, rel=0.15)

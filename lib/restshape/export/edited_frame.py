@@ -11,6 +11,7 @@ import numpy as np
 from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.importer import read_mesh
+from restshape.mesh.sizing import sizing_of
 from restshape.mesh.thickness import Thickness
 from restshape.replay.recording import Recording
 from restshape.replay.sessions import session_of
@@ -172,8 +173,13 @@ def thickness_over(scene: Scene, X: np.ndarray) -> float | np.ndarray | None:
 
 
 def plain_scene(frame: EditedFrame, shape: Table) -> Table:
-    """The plain tables of a frame's scene with others in place of its shape or panels, which are in no file."""
+    """The plain tables of a frame's scene with others in place of its shape or panels, which are in no file.
+
+    A scene whose mesh is from a file, without a size, gets that of new meshes.
+    """
     raw = {key: value for key, value in without_darts(frame.scene).items() if key not in ("shape", *shape)}
     mesh = {key: value for key, value in table_in(raw, "mesh").items() if key not in ("file", "unit")}
+    if frame.scene.mesh.file and frame.scene.mesh.size is None:
+        mesh["size"] = float(f"{sizing_of(frame.outline, frame.scene.mesh).size:.3g}")
     first = {key: raw.pop(key) for key in ("format", "version", "app", "title", "parameters") if key in raw}
     return first | shape | raw | ({"mesh": mesh} if "mesh" in raw else {})
