@@ -19,7 +19,7 @@ from restshape_apps.furniture.session.boards import MovingBoards
 from restshape_apps.furniture.session.chosen_settings import setting_key, setting_note, thickened_by
 from restshape_apps.furniture.session.plank_changes import CHANGES, plank_number
 from restshape_apps.furniture.session.plank_frame import Grab, PlankFrame, State
-from restshape_apps.furniture.session.set_keys import after_set, taken_back
+from restshape_apps.furniture.session.set_keys import after_set, refuse_others, taken_back
 from restshape_apps.furniture.session.without_effect import without_effect
 from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_adoption import adopted
@@ -363,6 +363,7 @@ class PlankSession(ScriptSession):
             self.scene = revise(before, key, value) if part_of is None else part_of(before, part)
             refuse_switched(before, self.scene, self._application)
             self._refuse_fixed_changes(before)
+            refuse_others(before, self.scene)
             self.design = Design.closed(after_set(design.piece, before, self.scene, key), self._guidance())
         except UserError as error:
             self.scene, self.design = before, design

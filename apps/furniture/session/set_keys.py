@@ -12,6 +12,26 @@ from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
 
+EVENTS = {
+    "planks": ("planks", "plank draws one, and delete removes one"),
+    "weights": ("weights", "weight puts one on, and delete removes one"),
+    "joints": ("joints", "connect joins a plank to what it is near"),
+}
+"""By the table of a piece: what is in it, and the events that add and remove some."""
+
+
+def refuse_others(before: Scene, after: Scene) -> None:
+    """Refuses a scene that has other planks, weights or joints by name than before: a piece gets them by events.
+
+    Raises:
+        UserError: what was added or removed, and the event that does that.
+    """
+    for table, (what, do) in EVENTS.items():
+        old, new = (set(one.joints.named if table == "joints" else getattr(one, table)) for one in (before, after))
+        if old != new:
+            said = f"adds {', '.join(sorted(new - old))}" if new - old else f"removes {', '.join(sorted(old - new))}"
+            raise UserError(f"this {said}, and set does not add or remove {what}", table, f"the event {do}")
+
 
 def after_set(piece: Piece, before: Scene, after: Scene, key: str) -> Piece:
     """An edited piece after a key was set, its joints not closed yet.

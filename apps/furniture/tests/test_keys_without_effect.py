@@ -1,5 +1,7 @@
 """A key that is set and changes nothing says so, and why."""
 
+import re
+
 import pytest
 from restshape_apps.furniture.tests.furniture_scenes import BENCH, write_bench, write_edits
 from small_scenes import make_replay
@@ -77,3 +79,19 @@ def test_a_formula_whose_place_a_suggestion_took_is_followed_no_more(tmp_path) -
     chosen, said = [row["note"] for row in make_replay(scene, write_edits(tmp_path, *events)).frames()][1:]
     assert "it takes the place of the formula '0.5*t + 0.5*t'" in chosen
     assert said == "parameters.t changes nothing: no formula uses it now"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("weights.cat", {"on": "rail", "mass": 5}, "weights: this adds cat, .*the event weight puts one on"),
+        ("weights", {}, "weights: this removes .*delete removes one"),
+        ("planks.shelf", {"from": [-0.4, 0, 0.1], "to": [0.4, 0, 0.1], "width": [0, 0.1, 0]}, "the event plank draws"),
+        ("joints.nailed", {"plank": "rail", "end": "-x", "to": "left", "face": "-z"}, "the event connect joins"),
+    ],
+)
+def test_what_events_make_is_not_set(tmp_path, key, value, said):
+    """It would be in the scene, and not in the piece."""
+    scene = write_bench(tmp_path, BENCH.replace("thickness = 0.02", 'thickness = "t"') + RAIL)
+    rows = [dict(row) for row in make_replay(scene, write_edits(tmp_path, put(key, value), {"do": "undo"})).frames()]
+    assert re.search(said, rows[1]["refused"]) and rows[2]["refused"] == "there is nothing to undo"
