@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "fem/bounds.hpp"
 #include "fem/pack.hpp"
 
 namespace restshape {
@@ -27,11 +28,14 @@ class PatchRows {
     void follow(const int32_t* cells, const int32_t* rows) {
         std::copy_n(rows, corners_.size(), corners_.begin());
         nodes_.assign(cells, cells == rows ? cells : cells + corners_.size());
-        for (const int32_t row : corners_)
-            if (row < 0 || row >= count()) throw std::invalid_argument("cells have rows that do not exist");
-        const auto [least, most] = std::minmax_element(nodes(), nodes() + corners_.size());
-        if (!corners_.empty() && *least < 0) throw std::invalid_argument("cells name nodes that do not exist");
-        least_ = corners_.empty() ? 0 : *most + 1;
+        const auto size = static_cast<std::ptrdiff_t>(corners_.size());
+        if (!all_within(corners_.data(), size, count()))
+            throw std::invalid_argument("cells have rows that do not exist");
+        int32_t least = 0, most = -1;
+        for (std::ptrdiff_t k = 0; k < size; ++k)
+            least = std::min(least, nodes()[k]), most = std::max(most, nodes()[k]);
+        if (least < 0) throw std::invalid_argument("cells name nodes that do not exist");
+        least_ = most + 1;
         const std::vector<uint8_t> inner = count_around();
         find_around();
         find_groups(inner);
@@ -86,8 +90,8 @@ class PatchRows {
                 balance[row[i]] += square[(i + 1) % 3] - square[(i + 2) % 3];
                 ++first_[row[i] + 1];
                 node_of_[row[i]] = node[i];
-                if (earlier(row, i) == i) ++block_[block_of(row[i]) + 1];
             }
+            each_block(row, [this](int block, int) { ++block_[block + 1]; });
         }
         std::vector<uint8_t> inner(count());
         for (int row = 0; row < count(); ++row) {
@@ -99,11 +103,18 @@ class PatchRows {
         return inner;
     }
 
-    // The first corner of a cell whose row is in the block of the i-th one's.
-    static int earlier(const int32_t* row, int i) {
-        int found = 0;
-        while (block_of(row[found]) != block_of(row[i])) ++found;
-        return found;
+    // Calls visit(block, corners) for the blocks of a cell with these rows, of which most have one: the last bits are 1
+    // where a corner is in the block.
+    template <class Visit>
+    static void each_block(const int32_t* row, const Visit& visit) {
+        const int a = block_of(row[0]), b = block_of(row[1]), c = block_of(row[2]);
+        if (a == b && a == c) {
+            visit(a, 7);
+            return;
+        }
+        visit(a, 1 | (b == a) << 1 | (c == a) << 2);
+        if (b != a) visit(b, 2 | (c == b) << 2);
+        if (c != a && c != b) visit(c, 4);
     }
 
     // The cells of each block, ascending, and where among them those of each row are.
@@ -114,15 +125,12 @@ class PatchRows {
         std::vector<int> next(first_.begin(), first_.end() - 1);
         for (int e = 0; e < cells_; ++e) {
             const int32_t* row = corners_.data() + 3 * static_cast<size_t>(e);
-            int place[3];
-            for (int i = 0; i < 3; ++i) {
-                const int block = block_of(row[i]), first = earlier(row, i);
-                if (first == i) {
-                    place[i] = filled_[block] - block_[block];
-                    in_blocks_[filled_[block]++] = e;
-                }
-                around_[next[row[i]]++] = place[i] = place[first];
-            }
+            each_block(row, [&](int block, int corners) {
+                const int place = filled_[block] - block_[block];
+                in_blocks_[filled_[block]++] = e;
+                for (int i = 0; i < 3; ++i)
+                    if (corners >> i & 1) around_[next[row[i]]++] = place;
+            });
         }
         for (int block = 0; block < blocks(); ++block)
             for (int k = filled_[block]; k < block_[block + 1]; ++k) in_blocks_[k] = in_blocks_[k - 1];
