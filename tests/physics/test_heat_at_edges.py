@@ -142,6 +142,26 @@ def test_edges_that_meet_share_the_heat_of_their_corner(tmp_path, order):
     assert sum(row[f"q_{on}"] for on in sides) == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.parametrize("cut", [0.2, 0.02])
+def test_no_heat_is_lost_beside_an_edge_of_one_facet(tmp_path, cut):
+    """A corner is cut off: what passes through all five sides of a square is nothing, as no heat is made inside."""
+    sides = ("bottom", "right", "cut", "top", "left")
+    places = [(0, 0), (1, 0), (1, 1 - cut), (1 - cut, 1), (0, 1)]
+    vertices = ", ".join(f"{name} = [{x}, {y}]" for name, (x, y) in zip("abcde", places))
+    edges = "".join(f'{on} = {{ line = ["{a}", "{b}"] }}\n' for on, a, b in zip(sides, "abcde", "bcdea"))
+    shape = f"[shape]\noutline = {list(sides)}\nvertices = {{ {vertices} }}\n[shape.edges]\n{edges}"
+    supports = "".join(f'[supports.{on}]\non = "{on}"\nfix = {{ temperature = "300 + x*y + x" }}\n' for on in sides)
+    quantities = "".join(f'{on} = {{ heat_flow = true, at = "{on}" }}\n' for on in sides)
+    text = f"{HEAD}{shape}[material.m]\nconductivity = 1\n{supports}[mesh]\nsize = 0.3\norder = 1\n"
+    frame = solved(tmp_path, f"{text}[quantities]\n{quantities}")
+    assert len(frame.analysis.space.facets_of("cut")) == 1
+    found = [frame.row[f"q_{on}"] for on in sides]
+    half = 0.5 * (1 - cut) ** 2
+    exact = [0.5, cut - 1 - half, (cut - 3) * cut, -half, 1.5]
+    assert found == pytest.approx(exact, abs=0.02)
+    assert sum(found) == pytest.approx(0.0, abs=1e-9)
+
+
 def test_a_wall_beside_an_inlet_has_its_own_drag(tmp_path):
     """Of Poiseuille's flow: the pressure of the inlet, 8 mu u L / H^2 = 2.4 Pa, is none of the wall's friction."""
     quantities = '[quantities]\nwall = { drag = true, at = "bottom" }\ninlet = { drag = true, at = "inlet" }\n'

@@ -15,9 +15,9 @@ class EdgeReactions:
     """Which nodes have reactions that pass through an edge, and which part of each.
 
     Only sides on which supports prescribe the unknown pass a reaction. A node where several of them meet has one
-    reaction. Each edge has what the nearest node of its own says that passes through it by a length there, and of the
-    rest of the reaction as much as it has of the lengths that stand for the node. So what passes through all edges is
-    the sum of all reactions.
+    reaction. Each edge has what the next node of its own says that passes through it by a length there, and of the rest
+    of the reaction as much as it has of the lengths that stand for the node. So what passes through all edges is the
+    sum of all reactions, also where an edge is one facet, whose next node is its other corner.
 
     Args:
         space: whose nodes may move.
@@ -46,14 +46,14 @@ class EdgeReactions:
     def parts(self) -> np.ndarray:
         """The part (k,) of each node's reaction, on the mesh as it lies."""
         own, others = (self._lengths(sides) for sides in (self._own, self._others))
-        parts = np.zeros(len(self.space.X))
+        fixed, parts = own + others, np.zeros(len(self.space.X))
         parts[self._own] = 1.0
-        parts[self._met] = own[self._met] / (own + others)[self._met]
+        parts[self._met] = own[self._met] / fixed[self._met]
         for node, mine, another in self._near:
-            share = parts[node]
-            if mine not in self._met and another not in self._met:
-                parts[mine] += (1.0 - share) * own[node] / own[mine]
-                parts[another] -= share * others[node] / others[another]
+            share = own[node] / fixed[node]
+            # By all lengths there: the other end of an edge of one facet is a corner, too.
+            parts[mine] += (1.0 - share) * own[node] / fixed[mine]
+            parts[another] -= share * others[node] / fixed[another]
         return parts[self.nodes]
 
     def _nearest(self, node: int, sides: np.ndarray) -> int:
