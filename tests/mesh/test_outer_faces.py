@@ -60,6 +60,21 @@ def test_a_lattice_holds_the_distances_of_its_places(way, spacing):
     assert (exact < 0.0).any() and (exact > 0.0).any()
 
 
+@pytest.mark.parametrize("spacing", [0.02, 0.04, 0.1])
+def test_a_lattice_finds_the_nearest_of_many_small_bodies(spacing):
+    """As far apart as blocks are wide: what is nearest to a corner of one is far from its middle."""
+    rng = np.random.default_rng(3)
+    corners = 0.01 * np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    X = (rng.random((60, 1, 3)) + corners).reshape(-1, 3)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    cells = (4 * np.arange(60)[:, None, None] + faces).reshape(-1, 3).astype(np.int32)
+    search, counts = _kernels.SurfaceSearch(X, cells), np.full(3, round(1.0 / spacing))
+    values = np.full(counts, np.nan)
+    search.fill_lattice(np.full(3, 0.003), spacing, np.ones(counts, np.uint8), values)
+    exact = search.nearest(0.003 + spacing * np.argwhere(np.ones(counts)))[0]
+    np.testing.assert_allclose(values.ravel(), exact, rtol=0.0, atol=1e-15)
+
+
 def test_contact_ends_without_a_jump():
     """The spline is rounder than edges: beside them it is below the way beyond the box of the surface."""
     surface = ClosedSurface(*box(BLOCK), 1.0)

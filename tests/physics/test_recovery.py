@@ -75,6 +75,35 @@ def test_linear_stresses_are_recovered_exactly_at_inner_and_boundary_nodes(side)
     assert np.abs(out - field(X))[near].max() < 1e-12 * side**2
 
 
+@pytest.mark.parametrize("side", [7, 40, 70])
+def test_values_at_random_are_fitted_to_the_cells_around_each_node(side):
+    """By least squares of NumPy at inner nodes; at others the mean of what those beside them, cell by cell, say there.
+
+    Of a linear field any cells would do, those of other nodes as well.
+    """
+    rng = np.random.default_rng(4)
+    X, cells, inner = grid(side, rng)
+    values, out = rng.normal(size=(len(cells), 4)), np.empty((len(X), 4))
+    _kernels.PatchRecovery(cells, cells, len(X))(X, values, out)
+    own, order = np.repeat(np.arange(len(cells)), 3), np.argsort(cells.ravel(), kind="stable")
+    around = np.split(own[order], np.cumsum(np.bincount(cells.ravel()))[:-1])
+    centres = X[cells].mean(axis=1)
+
+    def fitted(node, place):
+        rows = np.column_stack([np.ones(len(around[node])), centres[around[node]] - place])
+        return np.linalg.lstsq(rows, values[around[node]], rcond=None)[0][0]
+
+    for node in range(len(X)):
+        beside = [k for e in around[node] for k in cells[e] if inner[k]]
+        if inner[node]:
+            expected = fitted(node, X[node])
+        elif beside:
+            expected = np.mean([fitted(k, X[node]) for k in beside], axis=0)
+        else:
+            expected = values[around[node]].mean(axis=0)
+        np.testing.assert_allclose(out[node], expected, rtol=0.0, atol=1e-9)
+
+
 @pytest.mark.parametrize("each", [False, True])
 @pytest.mark.parametrize("jumps", [False, True])
 def test_one_loop_over_triangles_gives_the_bits_of_one_after_the_other(each, jumps):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from restshape_apps.furniture.guidance.design import Design, Guidance
-from restshape_apps.furniture.physics.furniture import ALL, UNSTABLE, Furniture
+from restshape_apps.furniture.physics.furniture import ALL, LOST, OVERLAPPING, UNSTABLE, Furniture
 from restshape_apps.furniture.pieces import SCENES, drawn, table
 from restshape_apps.furniture.shape.planks import Load, Piece, Plane
 
@@ -52,6 +52,23 @@ def test_a_scan_finds_what_tests_of_each_place_do(piece: Piece) -> None:
             furniture.kernel.forget()
             together = furniture.kernel.scan(direction, t, wanted)[0]
             assert np.array_equal(together == 0, np.array(alone) == 0)
+
+
+def test_planks_that_overlap_are_found_whatever_separated_them_before() -> None:
+    """By the axes of the place before, and by all of them: pairs that pass into each other along a way, and out."""
+    changes = 0
+    for piece in PIECES.values():
+        furniture, found = ways(piece, 2)
+        for direction in found:
+            before: tuple[tuple[int, int], ...] | None = None
+            for part in np.linspace(-3.0, 3.0, 25):
+                overlaps = tuple(furniture.test(part * direction, OVERLAPPING).found.overlaps)
+                if furniture.test(part * direction, LOST).flaws & LOST:
+                    continue
+                assert overlaps == furniture.geometry(part * direction).overlaps
+                changes += before is not None and before != overlaps
+                before = overlaps
+    assert changes > 10
 
 
 def test_the_place_before_says_how_the_next_one_stands() -> None:
