@@ -66,6 +66,18 @@ def test_one_triangle_among_many_good_ones_is_found(height):
             assert found[1:] == (int(height <= 0.0), np.sum(~(expected >= floor)))
 
 
+@pytest.mark.parametrize("lower", [1e-6, 1e-3, 0.03])
+def test_a_triangle_that_is_hardly_worse_than_those_before_is_the_worst(lower):
+    """Of nearly equilateral ones the quality from below is the quality itself: a looser one would pass them over."""
+    X = np.tile(EQUILATERAL, (24, 1))
+    X[3 * 17 : 3 * 18] *= (1.0, 1.0 - lower)
+    cells = np.arange(72, dtype=np.int32).reshape(-1, 3)
+    expected = qualities(X, cells)
+    found = _kernels.check_cells(X, cells, 0.0, 0.5 * (1.0 + expected.min()))
+    assert expected.min() < 1.0 - 0.1 * lower
+    assert found[0] == pytest.approx(expected.min(), abs=1e-14) and found[1:] == (0, 1)
+
+
 def test_a_coordinate_that_is_no_number_counts_as_inverted():
     X = EQUILATERAL.copy()
     X[1, 0] = np.nan

@@ -104,6 +104,27 @@ def test_values_at_random_are_fitted_to_the_cells_around_each_node(side):
         np.testing.assert_allclose(out[node], expected, rtol=0.0, atol=1e-9)
 
 
+def test_nodes_that_lose_their_polynomial_get_what_is_beside_them():
+    """Triangles of a half that is pressed onto a line have centres on it; and back: as of a recovery that is new."""
+    rng = np.random.default_rng(6)
+    X, cells, _ = grid(12, rng)
+    flat = X.copy()
+    flat[:, 1] = np.where(X[:, 0] < 5.0, X[:, 0] + 1e-6 * X[:, 1], X[:, 1])
+    values, found = rng.normal(size=(len(cells), 4)), []
+    kept = _kernels.PatchRecovery(cells, cells, len(X))
+    for places in (X, flat, X):
+        out, new = np.empty((len(X), 4)), np.empty((len(X), 4))
+        kept(places, values, out)
+        _kernels.PatchRecovery(cells, cells, len(X))(places, values, new)
+        np.testing.assert_array_equal(out, new)
+        found.append(out)
+    # Where all around a node is flat it has the mean of its triangles.
+    node = np.argmin(np.abs(X - 2.0).sum(axis=1))
+    plain = values[(cells == node).any(axis=1)].mean(axis=0)
+    np.testing.assert_allclose(found[1][node], plain, rtol=1e-12)
+    assert np.abs(found[0][node] - plain).max() > 1e-3
+
+
 @pytest.mark.parametrize("each", [False, True])
 @pytest.mark.parametrize("jumps", [False, True])
 def test_one_loop_over_triangles_gives_the_bits_of_one_after_the_other(each, jumps):
