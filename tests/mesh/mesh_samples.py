@@ -119,4 +119,5 @@ def author_ratios(X: np.ndarray, cells: np.ndarray) -> np.ndarray:
     corners = X[cells]
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return sides.max(axis=1) * sides.sum(axis=1) / (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    with np.errstate(divide="ignore"):
+        return sides.max(axis=1) * sides.sum(axis=1) / (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])

@@ -32,7 +32,8 @@ class NodalStress:
     """Cauchy's stresses in cells and recovered at nodes, each computed once a state of the space and its displacement.
 
     What was asked for at one state is expected at the next, and computed together where one loop gives it: a predicted
-    frame, of which nobody asks more than an extreme, writes neither the stresses of cells nor those of nodes.
+    frame, of which nobody asks more than an extreme, writes neither the stresses of cells nor those of nodes. Energies
+    wait for nothing that only estimates or recordings ask for, which come after the frame.
 
     Args:
         stresses: of the cells.
@@ -42,7 +43,10 @@ class NodalStress:
         self.stresses, self.space = stresses, stresses.space
         self._versions, self._x = (-1, -1), np.empty(0)
         self._found: dict[str, np.ndarray | None] = {}
-        self._asked, self._expected = set[str](), set[str]()
+        # Of the first state nobody knows what else will be asked for.
+        self._asked, self._expected = set[str](), {SAMPLED, NODAL}
+        # Whether quantities look at nodal stresses at this state, and did at the last one.
+        self._looks = self._looked = False
 
     @cached_property
     def recovery(self) -> NodalFlux:
@@ -67,8 +71,9 @@ class NodalStress:
         return made(self._result(NODAL))
 
     def component(self, name: str, x: np.ndarray) -> np.ndarray:
-        """One of `COMPONENTS` [Pa] (rows,) at x (n, 2) [m], computed once a state; not to be written to."""
+        """One of `COMPONENTS` [Pa] (rows,) at x (n, 2) [m], for a quantity; made once a state, not to be changed."""
         self._follow(x)
+        self._looks = True
         return made(self._result(name))
 
     def _follow(self, x: np.ndarray) -> None:
@@ -80,7 +85,9 @@ class NodalStress:
         np.copyto(self._x, x)
         self._versions = versions
         self._found.clear()
-        self._asked, self._expected = set(), self._asked
+        if self._asked:
+            self._asked, self._expected = set(), self._asked
+            self._looks, self._looked = False, self._looks
 
     def _result(self, name: str) -> np.ndarray | None:
         """What has this name at the present state: `SAMPLED`, `ENERGIES`, `NODAL`, or one of `COMPONENTS`."""
@@ -91,7 +98,10 @@ class NodalStress:
 
     def _find(self, name: str) -> None:
         found, wanted = self._found, self._asked | self._expected
-        recovers = self.stresses.one_loop and SAMPLED not in found and not {NODAL, PICTURED}.isdisjoint(wanted)
+        # Energies alone ask for no nodal stresses, nor do those in cells where these are there already.
+        nodal = self._looked if name == ENERGIES else name != SAMPLED or NODAL not in found
+        nodal = nodal and not {NODAL, PICTURED}.isdisjoint(wanted)
+        recovers = self.stresses.one_loop and SAMPLED not in found and nodal
         if name in COMPONENTS and (name != PICTURED or NODAL in found or not recovers):
             found[name] = COMPONENTS[name](made(self._result(NODAL)))
         elif recovers:
@@ -127,7 +137,8 @@ class NodalStress:
         """
         stresses = [name for key in wanted for name in REQUESTED[key]]
         named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress), *stresses))
-        found = {field_name(name): self.component(name, x) for name in named}
+        self._follow(x)
+        found = {field_name(name): made(self._result(name)) for name in named}
         if STRAIN in wanted:
             strain = self.recovery(np.ascontiguousarray(self.stresses.strain(x, self.recovery.points)))
             found |= {f"{STRAIN}_{name}": strain[:, k] for k, name in enumerate(STRAINS)}
