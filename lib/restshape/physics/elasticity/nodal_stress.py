@@ -44,7 +44,7 @@ class NodalStress:
         self._versions, self._x = (-1, -1), np.empty(0)
         self._found: dict[str, np.ndarray | None] = {}
         # Of the first state nobody knows what else will be asked for.
-        self._asked, self._expected = set[str](), {SAMPLED, NODAL}
+        self._asked, self._expected = set[str](), {NODAL}
         # Whether quantities look at nodal stresses at this state, and did at the last one.
         self._looks = self._looked = False
 
