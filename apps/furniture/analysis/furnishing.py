@@ -23,8 +23,7 @@ from restshape_apps.furniture.physics.joint_compliance import (
     utilisation_range_at,
 )
 from restshape_apps.furniture.physics.plank_beam import cross
-from restshape_apps.furniture.physics.plank_bending import plank_bending
-from restshape_apps.furniture.physics.plank_findings import overbent
+from restshape_apps.furniture.physics.plank_bending import overbent, plank_bending
 from restshape_apps.furniture.physics.plank_phrases import balanced_by_springs, phrases
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities, require_places
 from restshape_apps.furniture.scene.furniture import REDUNDANT_BYTES, SUGGESTIONS_BYTES
@@ -187,9 +186,8 @@ class FurnitureAnalysis(Timeless):
         cases = range(len(self.forces))
         found = [[plank_bending(furniture, k, case) for case in cases] for k in range(len(self.utilisation))]
         self.deflection = np.array([max(one.max_deflection for one in each) for each in found])
-        used = np.array([[one.utilisation for one in each] for each in found])
-        self.bent = float(used.max())
-        self.overbent = tuple(overbent(furniture.piece, used)) if self.result.valid else ()
+        self.bent = max(one.utilisation for each in found for one in each)
+        self.overbent = tuple(overbent(furniture.piece, dict(enumerate(found)))) if self.result.valid else ()
 
     def _look(self, shown: Any) -> None:
         """Guidance: the range of what the hand holds, and suggestions once it has let an invalid piece go."""

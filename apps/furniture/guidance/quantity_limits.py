@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from restshape_apps.furniture.physics import plank_findings
 from restshape_apps.furniture.physics.derivatives import stability_derivative
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
-from restshape_apps.furniture.physics.plank_bending import plank_bending
+from restshape_apps.furniture.physics.plank_bending import overbent, plank_bending
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities
 from restshape_apps.furniture.scene.plank_quantities import place_of
 from restshape_apps.furniture.shape.planks import Piece
@@ -39,13 +38,13 @@ def violated_limits(piece: Piece, quantities: Mapping[str, Quantity], bending: b
     still = np.zeros((1, 8 * len(piece.planks)))
     rows = [stability_derivative(furniture, still, case)[0] for case in cases]
     stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
-    deflection, used = np.full(len(piece.planks), np.nan), np.zeros((len(piece.planks), len(cases)))
+    deflection, found = np.full(len(piece.planks), np.nan), {}
     places = {place_of(one)[0] for one in limited.values() if one.deflection}
     for k, plank in enumerate(piece.planks):
         if bending or "" in places or plank.name in places:
-            found = [plank_bending(furniture, k, case) for case in cases]
-            deflection[k], used[k] = max(one.max_deflection for one in found), [one.utilisation for one in found]
-    bent = plank_findings.overbent(piece, used) if bending else ()
+            found[k] = [plank_bending(furniture, k, case) for case in cases]
+            deflection[k] = max(one.max_deflection for one in found[k])
+    bent = overbent(piece, found) if bending else ()
     forces = [furniture.forces(case) for case in cases]
     known = Observed(piece, furniture.geometry(), forces, deflection, stability_margin)
     return (*bent, *violated_constraints(limits, plank_quantities(limited, known)))

@@ -15,8 +15,9 @@ from restshape.scene.units import quantity
 class Wood:
     """A wood: densities [kg/m^3], specific gravity, E, bending strength, what the mantle of a glued dowel bears [Pa].
 
-    A panel has no grain: its edges hold a fastener less well than its faces, and `edge_shear` [N] is all the shear that
-    one is known to bear in them.
+    E and bending strength of solid wood are along its fibres; `E_across` and `tension_across` [Pa] are what it has
+    across them. A panel has no grain: its edges hold a fastener less well than its faces, and `edge_shear` [N] is all
+    the shear that one is known to bear in them.
     """
 
     name: str
@@ -29,6 +30,18 @@ class Wood:
     source: str
     panel: bool = False
     edge_shear: float = 0.0
+    E_across: float = 0.0
+    tension_across: float = 0.0
+
+    @property
+    def modulus_across(self) -> float:
+        """Young's modulus across its fibres [Pa], of a panel that of all directions."""
+        return self.E if self.panel else self.E_across
+
+    @property
+    def strength_across(self) -> float:
+        """What it bears in bending across its fibres [Pa], which is its strength in tension there."""
+        return self.bending if self.panel else self.tension_across
 
 
 @dataclass(frozen=True)
@@ -194,7 +207,9 @@ DIMENSIONS = {
     "density": "density",
     "characteristic_density": "density",
     "E": "pressure",
+    "E_across": "pressure",
     "bending": "pressure",
+    "tension_across": "pressure",
     "mantle": "pressure",
     "edge_shear": "force",
     "length": "length",

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
-import numpy as np
 from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.face_contacts import flat_between_parts
 from restshape_apps.furniture.shape.free_ends import ASIDE, FreeEnd, free_ends
@@ -32,6 +31,8 @@ DOUBTFUL = "doubtful"
 """Kind of findings on what holds only because something is not counted in the constraint status."""
 OVERBENT = "overbent"
 """Kind of findings on planks that bend beyond their strength, of which the constraint status is not made."""
+ACROSS = "across"
+"""Detail of a plank that bends beyond its strength across its fibres."""
 DEPENDS = "depends"
 """Kind of findings on joints whose compliance, which nobody knows, decides whether the piece holds."""
 FREE = "free"
@@ -183,21 +184,6 @@ def weak(piece: Piece, found: FlawNumbers) -> list[Finding]:
 def doubts(piece: Piece, found: FlawNumbers) -> list[Finding]:
     """Joints that moments overload which the constraint status does not count, the worst first."""
     return _overloaded(piece, DOUBTFUL, found.doubts)
-
-
-def overbent(piece: Piece, utilisation: np.ndarray) -> list[Finding]:
-    """Planks that bend beyond their strength, each under the load case that bends it most, the worst first.
-
-    Args:
-        piece: whose planks they are.
-        utilisation: (planks, cases) of their bending strength.
-    """
-    worst = [(k, int(np.argmax(of_cases))) for k, of_cases in enumerate(utilisation)]
-    worst = sorted((one for one in worst if utilisation[one] > 1.0), key=lambda one: -round(utilisation[one], 6))
-    return [
-        Finding(OVERBENT, "", (piece.planks[k].name,), float(utilisation[k, case]), 1.0, case=load_case(piece, case))
-        for k, case in worst
-    ]
 
 
 def free(piece: Piece, ends: Sequence[FreeEnd]) -> list[Finding]:

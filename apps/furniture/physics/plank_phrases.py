@@ -228,6 +228,7 @@ def _doubtful(findings: list[Finding], worst: Worst) -> str:
 def _overbent(findings: list[Finding], worst: Worst) -> str:
     planks = [
         f"{one.subjects[0]} at {'up to ' if one in worst else ''}{amount(one)} of its bending strength"
+        + (" across its fibres" if one.detail == kinds.ACROSS else "")
         + (f" under {_load(one.case)}" if one.case != kinds.WEIGHTS else "")
         for one in findings
         if one.subjects
