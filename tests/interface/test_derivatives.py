@@ -61,7 +61,9 @@ def test_an_edit_goes_on_as_if_no_derivative_had_been_asked_for():
 
 
 def test_what_has_no_derivative_says_so():
+    names = ("door", "material.steel.name", "mesh.size", "solve.tolerance")
+    whats = ("no entity named 'door'", "no number of the scene", *2 * ["the error of the mesh and the solver alone"])
     with restshape.open(restshape.load(BRACKET, *COARSE)) as sim:
-        for what, of in (("no entity named 'door'", "door"), ("no number of the scene", "material.steel.name")):
+        for of, what in zip(names, whats, strict=True):
             with pytest.raises(restshape.UserError, match=what):
                 sim.frame.derivative(of)

@@ -66,13 +66,15 @@ class Edits:
         """A curve is faired; `strength`, between 0 and 1, is the share of a zigzag that goes away."""
         return self.do("smooth", on=on, strength=strength, pins=pins, frames=frames)
 
-    def rotate(self, on: str, by: Length, about: Point | None = None, frames: int | None = None) -> ShownFrame:
-        """An entity turns by an angle [rad] about a point."""
+    def rotate(self, on: str, by: Length, about: Point | str | None = None, frames: int | None = None) -> ShownFrame:
+        """An entity turns by an angle [rad] about a point, or the axis that an application names."""
         return self.do("rotate", on=on, by=by, about=about, frames=frames)
 
-    def scale(self, on: str, factor: float, about: Point | None = None, frames: int | None = None) -> ShownFrame:
-        """An entity grows by a factor about a point."""
-        return self.do("scale", on=on, factor=factor, about=about, frames=frames)
+    def scale(
+        self, on: str, factor: float, about: Point | None = None, frames: int | None = None, **keys: object
+    ) -> ShownFrame:
+        """An entity grows by a factor about a point; `keys`: further ones of an application of its own."""
+        return self.do("scale", on=on, factor=factor, about=about, frames=frames, **keys)
 
     def set(self, key: str, value: object, frames: int | None = None) -> ShownFrame:
         """A key of the scene, such as "material.steel.thickness", gets a value as it would stand in its file."""

@@ -37,6 +37,8 @@ WAY = 1e-6
 not, which follow to first order."""
 STEP = 1e-4
 """How far a number goes to either side, as a share of itself, or of 1 where it is 0."""
+WAYS_OF_SOLVING = ("mesh", "solve", "version")
+"""Tables and keys whose numbers decide how well an answer is known, not what it is: the mesh stays as it lies."""
 TOLERANCE = 1e-10
 """Of the solves at both sides of a number, whose answers are differenced."""
 
@@ -99,6 +101,9 @@ class Rates(NamedTuple):
         """
         self._refuse(key)
         scene = self.replay.session.scene
+        if key.split(".")[0] in WAYS_OF_SOLVING:
+            what = "quantities change by this number with the error of the mesh and the solver alone"
+            raise UserError(what, key, "ask restshape accuracy how much, or name a number such as material.steel.E")
         value = value_below(scene, tuple(key.split(".")))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UserError("this is no number of the scene", key, "name one such as material.steel.E")
