@@ -1,8 +1,10 @@
 """What is odd in the values of a scene of furniture, though it can be simulated."""
 
 from collections.abc import Iterator, Mapping
+from math import acos, degrees, sqrt
 from typing import Any
 
+import numpy as np
 from restshape_apps.furniture.physics.fasteners import fastener
 from restshape_apps.furniture.shape.planks import Piece
 
@@ -21,6 +23,10 @@ thickness of an edge."""
 THICK, LONG = 1.0, 10.0
 """Metres from which on a length without a unit is hardly meant: as a thickness or a spacing, and as what else places a
 plank."""
+STEEP = 0.3
+"""Slope from which on a weight slides off a plank: textbooks have a friction of 0.25 to 0.5 for dry wood on wood."""
+UPRIGHT = 0.05
+"""Cosine of the slope below which what is on a face is plainly hung there."""
 HEAVY = 1000.0
 """Kilograms from which on a mass without a unit is hardly meant."""
 PLACES = {"start": "from", "to": "to", "width": "width", "center": "center", "size": "size"}
@@ -29,7 +35,8 @@ PLACES = {"start": "from", "to": "to", "width": "width", "center": "center", "si
 
 def odd_values(scene: Scene, piece: Piece) -> list[str]:
     """What a user may have meant otherwise, a line each, which names the key."""
-    return [*_too_thick(scene, piece), *_too_far(scene), *_too_heavy(scene), *_too_near(piece), *_too_thin(piece)]
+    values = *_too_thick(scene, piece), *_too_far(scene), *_too_heavy(scene), *_too_near(piece), *_too_thin(piece)
+    return [*values, *_too_steep(piece)]
 
 
 def _too_thick(scene: Scene, piece: Piece) -> Iterator[str]:
@@ -115,3 +122,17 @@ def _too_thin(piece: Piece) -> Iterator[str]:
                 f"planks.{thinnest.name}: a {name!r} of {thick} goes into an edge of {here}: the wood splits, and "
                 f"strengths do not count that; take planks of {do} or more, or thinner fasteners"
             )
+
+
+def _too_steep(piece: Piece) -> Iterator[str]:
+    """Weights on faces from which they would slide."""
+    for load in piece.weights:
+        plank, along = piece.planks[load.plank], np.array(piece.gravity)
+        faces = [np.sign(at) * axis for at, axis in zip(load.place, plank.axes.T) if abs(at) > 0.5 - 1e-9]
+        if not faces or not along.any():
+            continue
+        cosine = max(float(-face @ along) for face in faces) / float(np.linalg.norm(along))
+        slope = sqrt(max(1.0 - cosine**2, 0.0))
+        if cosine > UPRIGHT and slope > STEEP * cosine:
+            what = f"it lies on a slope of {degrees(acos(cosine)):.3g} deg and is taken as held there"
+            yield f"weights.{load.name}: {what}: without that it needs friction of {slope / cosine:.2g}"

@@ -1,6 +1,7 @@
 """Values of furniture that are hardly meant: fasteners in each other, and thicknesses that lack their unit."""
 
 import warnings
+from math import atan, degrees
 
 import pytest
 from restshape_apps.furniture.cli.check_planks import checked
@@ -96,6 +97,9 @@ def test_planks_in_millimetres_without_a_unit_are_asked_about(tmp_path):
         ("from = [0.5, 0, 0]", 'from = ["12 m", 0, 0]', ""),
         ("[planks.left]", '[weights.books]\non = "seat"\nmass = 2000\n[planks.left]', "weights.books.mass: a mass"),
         ("[planks.left]", '[weights.books]\non = "seat"\nmass = "2000 kg"\n[planks.left]', ""),
+        # On the face of a leg a weight is hung, and inside it fastened.
+        ("[planks.left]", '[weights.coat]\non = "left"\nmass = 2\nat = [0, 0, 0.5]\n[planks.left]', ""),
+        ("[planks.left]", '[weights.coat]\non = "left"\nmass = 2\nat = [0, 0, 0]\n[planks.left]', ""),
     ]:
         path.write_text(text.replace(old, new, 1))
         scene = load_scene(path)
@@ -135,6 +139,21 @@ def test_suggestions_are_sought_where_no_load_presses_on_the_floor(tmp_path, cap
 
 def test_a_thickness_with_its_unit_or_of_less_than_a_metre_is_not(tmp_path):
     assert warned(tmp_path, thickness='"1.2 m"') == [] == warned(tmp_path, thickness="0.02")
+
+
+@pytest.mark.parametrize(("rise", "steep"), [(0.08, False), (0.1, True), (0.4, True), (-0.4, True)])
+def test_a_weight_on_a_slope_is_warned_of(tmp_path, rise, steep):
+    desk = f"[planks.desk]\nfrom = [-0.5, 0, 0.3]\nto = [0.5, 0, 0.3]\nwidth = [0, 0.3, {rise}]\n"
+    path = tmp_path / "bench.toml"
+    text = BENCH.format(t='"30 mm"', thickness='"30 mm"', fastener="dowel", spacing='"40 mm"')
+    path.write_text(text + desk + '[weights.book]\non = "desk"\nmass = 1\n[effects.gravity]\n')
+    scene = load_scene(path)
+    found = odd_values(scene, piece_of(scene))
+    assert len(found) == steep
+    if steep:
+        slope = abs(rise) / 0.3
+        words = f"a slope of {degrees(atan(slope)):.3g} deg and is taken as held there: without that it needs friction"
+        assert found[0] == f"weights.book: it lies on {words} of {slope:.2g}"
 
 
 def test_a_replay_has_the_warning_too(tmp_path, capsys):
