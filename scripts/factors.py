@@ -5,7 +5,8 @@ OMP_NUM_THREADS=1 python scripts/factors.py [SIDE ...]
 Each SIDE is one of a square plate of SIDE x SIDE nodes, two unknowns a node; without any, 32 and 100. Times are the
 least of several, in ms: of a factor on a new pattern with its ordering, of one on the same pattern, of a solve; and of
 a product with a vector. PETSc's own blocks take no order: they are given the nodes in elimination order, the time of
-which is left out.
+which is left out. At last, what a nonzero takes with one unknown a node over one with two, of as many unknowns, and
+in an incomplete factor over a complete one.
 """
 
 import sys
@@ -18,9 +19,8 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import order_factor
-from restshape.measurement import plate, stiffness
+from restshape.measurement import measure_factor, measure_gamg, median_seconds, plate, plate_system
 
 ROUNDS = 7
 
@@ -94,13 +94,9 @@ def times(way: Way, mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> list[float]:
 
 def products(X: np.ndarray, cells: np.ndarray) -> dict[str, float]:
     """Seconds of a product by rows of single numbers, as PETSc makes it, and by the two rows of a node at once."""
-    operator = Operator(PETSc.COMM_SELF, 2, np.array([0, len(X)], dtype=np.int32))
-    operator.set_topology([cells], np.zeros(2 * len(X), dtype=np.uint8))
-    element = _kernels.Element("linear_elastic_tri3")
-    mat = operator.assemble([(0, element, X, np.zeros_like(X), np.array([1.3, 0.7, 0.8, 0.0, 0.0]), 1.0)], None)
+    mat, x, b, _ = plate_system(X, cells)
     own = PETSc.Mat().createAIJ(mat.getSizes(), csr=mat.getValuesCSR(), comm=PETSc.COMM_SELF)
-    ways, (x, b) = {"PETSc": own, "both rows of a node": mat}, mat.createVecs()
-    b.set(1.0)
+    ways = {"PETSc": own, "both rows of a node": mat}
     least = dict.fromkeys(ways, float("inf"))
     for _ in range(100 * ROUNDS):
         for name, matrix in ways.items():
@@ -108,10 +104,21 @@ def products(X: np.ndarray, cells: np.ndarray) -> dict[str, float]:
     return least
 
 
+def nonzero_seconds(side: int, fields: int) -> dict[str, float]:
+    """Seconds a nonzero of a plate of side x side nodes: of its complete factor, of its grids, of its matrix."""
+    system = plate_system(*plate(side), fields)
+    filled, factor = measure_factor(system, "cholesky")
+    grids, gamg = measure_gamg(system)
+    product = median_seconds(lambda: system.mat.mult(system.b, system.x))
+    found = {name: seconds / filled for name, seconds in factor.items()}
+    found |= {name: seconds / grids for name, seconds in gamg.items()}
+    return {**found, "product": product / system.mat.getInfo()["nz_used"]}
+
+
 def main(sides: list[int]) -> None:
     """Print a table a size."""
     for side in sides:
-        mat, x, b = stiffness(*plate(side))
+        mat, x, b, _ = plate_system(*plate(side))
         least = {way: [float("inf")] * 3 for way in WAYS}
         for _ in range(ROUNDS):
             for way in WAYS:
@@ -123,6 +130,12 @@ def main(sides: list[int]) -> None:
         print("product [ms]")
         for name, taken in products(*plate(side)).items():
             print(f"{name:24}{1e3 * taken:10.3g}")
+        single, pairs = nonzero_seconds(round(2**0.5 * side), 1), nonzero_seconds(side, 2)
+        print("a nonzero with one unknown a node, over one with two")
+        print("  ".join(f"{name} {single[name] / pairs[name]:.2f}" for name in single))
+        filled, incomplete = measure_factor(plate_system(*plate(side)), "icc")
+        print("a nonzero of ICC(3), over one of a complete factor")
+        print("  ".join(f"{name} {taken / filled / pairs[name]:.2f}" for name, taken in incomplete.items()))
 
 
 if __name__ == "__main__":

@@ -2,22 +2,25 @@
 
 import time
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
-import scipy.sparse as sparse
 from petsc4py import PETSc
 from scipy.optimize import nnls
 
 from restshape import _kernels
+from restshape.algebra.operator import Operator
 from restshape.algebra.preconditioner import cycle_in_single, nonzeros, order_factor, set_preconditioner
 from restshape.calibration import Calibration
-from restshape.fem.elements import LINEAR_ELASTIC
+from restshape.fem.elements import CONDUCTION, LINEAR_ELASTIC
 
 SIDES = (32, 100)
 """Grid points a side of the two problems: 2,048 and 20,000 unknowns."""
 LARGE_SET, TRIAD_BYTES, TRIAD_RUNS = 400e6, 4e6, 15
 """Bytes of a working set that no cache holds; bytes that a run of the triad moves at least, so that the clock sees
 it; and runs."""
+UNIT_STIFFNESS, UNIT_CONDUCTION = (1.0, 1.0, 1.0, 0.0, 0.0), (1.0, 1.0, 0.0)
+"""Parameters of the elements of a plate."""
 TINY_SIDE = 3
 """Of a problem with so little work that an iteration costs its overhead."""
 
@@ -37,7 +40,7 @@ def measure(machine: str) -> Calibration:
     ilu = fit(took["ilu_numeric"], count["ilu"])
     ilu_solve = fit(took["ilu_solve"], count["ilu"])
     matvec = fit(took["matvec"], count["nonzeros"])
-    overhead = measure_iteration(*stiffness(*plate(TINY_SIDE)))
+    overhead = measure_iteration(plate_system(*plate(TINY_SIDE)))
     vectors = fit(np.maximum(0.0, took["iteration"] - took["matvec"] - overhead), count["unknowns"])
     element = fit(took["assembly"], count["elements"])
     gamg = [fit(took[f"gamg_{part}"], count["gamg"]).item() for part in ("setup", "refresh", "solve")]
@@ -49,10 +52,11 @@ def measure(machine: str) -> Calibration:
 def measure_size(side: int) -> tuple[dict[str, float], dict[str, float]]:
     """Counts of work and seconds of each operation on one plate of side x side nodes."""
     X, cells = plate(side)
-    mat, x, b = stiffness(X, cells)
-    filled, cholesky = measure_factor(mat, x, b, "cholesky")
-    ilu_filled, ilu = measure_factor(mat, x, b, "ilu")
-    gamg_filled, gamg = measure_gamg(mat, x, b)
+    system = plate_system(X, cells)
+    mat, x, b, _ = system
+    filled, cholesky = measure_factor(system, "cholesky")
+    ilu_filled, ilu = measure_factor(system, "ilu")
+    gamg_filled, gamg = measure_gamg(system)
     work = {"unknowns": mat.getSize()[0], "nonzeros": mat.getInfo()["nz_used"], "elements": len(cells)}
     seconds = {
         **cholesky,
@@ -60,7 +64,7 @@ def measure_size(side: int) -> tuple[dict[str, float], dict[str, float]]:
         "ilu_numeric": ilu["numeric"],
         "ilu_solve": ilu["solve"],
         "matvec": median_seconds(lambda: mat.mult(b, x)),
-        "iteration": measure_iteration(mat, x, b),
+        "iteration": measure_iteration(system),
         "assembly": measure_assembly(X, cells),
     }
     return {**work, "filled": filled, "ilu": ilu_filled, "gamg": gamg_filled}, seconds
@@ -76,23 +80,37 @@ def plate(side: int) -> tuple[np.ndarray, np.ndarray]:
     return np.ascontiguousarray(np.stack([x.ravel(), y.ravel()], axis=1)), cells
 
 
-def stiffness(X: np.ndarray, cells: np.ndarray) -> tuple[PETSc.Mat, PETSc.Vec, PETSc.Vec]:
-    """A positive definite matrix with the pattern of two unknowns a node of that plate, a vector, a right side."""
-    i, j = cells[:, [0, 1, 2]].ravel(), cells[:, [1, 2, 0]].ravel()
-    graph = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(len(X), len(X)))
-    weights = ((graph + graph.T) > 0).astype(float)
-    nodes = sparse.diags(np.asarray(weights.sum(axis=1)).ravel() + 0.01) - weights
-    matrix = sparse.kron(nodes, np.array([[1.0, 0.3], [0.3, 1.0]])).tocsr()
-    matrix.sort_indices()
-    rows, columns = (part.astype(PETSc.IntType) for part in (matrix.indptr, matrix.indices))
-    mat = PETSc.Mat().createAIJ(matrix.shape, csr=(rows, columns, matrix.data), comm=PETSc.COMM_SELF)
-    mat.setOption(PETSc.Mat.Option.SPD, True)
+class PlateSystem(NamedTuple):
+    """The matrix of a plate that a side holds, a vector, a right side; the operator holds the matrix's numbers."""
+
+    mat: PETSc.Mat
+    x: PETSc.Vec
+    b: PETSc.Vec
+    operator: Operator
+
+
+def plate_system(X: np.ndarray, cells: np.ndarray, fields: int = 2) -> PlateSystem:
+    """The stiffness of that plate with two unknowns a node, or its conduction with one, as replays make them."""
+    operator = Operator(PETSc.COMM_SELF, fields, np.array([0, len(X)], dtype=np.int32))
+    operator.set_topology([cells], np.repeat((X[:, 0] == 0.0).astype(np.uint8), fields))
+    element, params = (CONDUCTION, UNIT_CONDUCTION) if fields == 1 else (LINEAR_ELASTIC, UNIT_STIFFNESS)
+    zero = np.zeros((len(X), fields))
+    mat = operator.assemble([(0, element["tri3"], X, zero, np.array(params), 1.0)], None)
     x, b = mat.createVecs()
     b.set(1.0)
-    return mat, x, b
+    return PlateSystem(mat, x, b, operator)
 
 
-def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tuple[float, dict[str, float]]:
+def again(system: PlateSystem, pc: PETSc.PC) -> None:
+    """Make a preconditioner anew, of the same pattern."""
+    # A value set again makes PETSc take the matrix for a new one, of which it no longer knows that it is definite.
+    system.mat.setValue(0, 0, system.mat.getValue(0, 0))
+    system.mat.assemble()
+    system.mat.setOption(PETSc.Mat.Option.SPD, True)
+    pc.setUp()
+
+
+def measure_factor(system: PlateSystem, kind: str) -> tuple[float, dict[str, float]]:
     """Nonzeros of a factor, and seconds of its symbolic part, its numeric part and one solve."""
 
     def make() -> PETSc.PC:
@@ -103,29 +121,22 @@ def measure_factor(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, kind: str) -> tup
         else:
             pc.setFactorOrdering("natural")
             pc.setFactorLevels(3)
-        pc.setOperators(mat)
+        pc.setOperators(system.mat)
         pc.setUp()
         return pc
 
     whole = median_seconds(make, least=3)
-    pc, diagonal = make(), mat.getValue(0, 0)
-
-    def refresh() -> None:
-        # A value set again makes PETSc take the matrix for a new one of the same pattern.
-        mat.setValue(0, 0, diagonal)
-        mat.assemble()
-        pc.setUp()
-
-    numeric = median_seconds(refresh)
+    pc = make()
+    numeric = median_seconds(lambda: again(system, pc))
     filled = pc.getFactorMatrix().getInfo()["nz_used"]
     if kind == "cholesky":
         # As factors that are kept do.
         _kernels.solve_by_panels(pc.getFactorMatrix().handle, single=True)
-    solve = median_seconds(lambda: pc.apply(b, x))
+    solve = median_seconds(lambda: pc.apply(system.b, system.x))
     return filled, {"symbolic": max(0.0, whole - numeric), "numeric": numeric, "solve": solve}
 
 
-def measure_gamg(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> tuple[float, dict[str, float]]:
+def measure_gamg(system: PlateSystem) -> tuple[float, dict[str, float]]:
     """Nonzeros of all grids of algebraic multigrid; seconds of a rebuild, with the interpolation kept, and of a
     cycle."""
     made: list[PETSc.KSP] = []
@@ -134,38 +145,36 @@ def measure_gamg(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> tuple[float, dic
         ksp = PETSc.KSP().create(PETSc.COMM_SELF)
         ksp.setOptionsPrefix("calibration_")
         set_preconditioner(ksp, "gamg", 0)
-        ksp.setOperators(mat)
+        ksp.setOperators(system.mat)
         ksp.getPC().setUp()
         cycle_in_single(ksp.getPC())
         made.append(ksp)
 
     whole = median_seconds(make, least=3)
-    pc, diagonal = made[-1].getPC(), mat.getValue(0, 0)
+    pc = made[-1].getPC()
 
     def refresh() -> None:
-        mat.setValue(0, 0, diagonal)
-        mat.assemble()
-        pc.setUp()
+        again(system, pc)
         cycle_in_single(pc)
 
     kept = median_seconds(refresh, least=3)
-    cycle = median_seconds(lambda: pc.apply(b, x))
+    cycle = median_seconds(lambda: pc.apply(system.b, system.x))
     filled = nonzeros(pc)
     for ksp in made:
         ksp.destroy()
     return filled, {"gamg_setup": whole, "gamg_refresh": kept, "gamg_solve": cycle}
 
 
-def measure_iteration(mat: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec) -> float:
+def measure_iteration(system: PlateSystem) -> float:
     """Seconds of an iteration of conjugate gradients without a preconditioner."""
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)
     ksp.setType("cg")
     ksp.getPC().setType("none")
     ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
     ksp.setTolerances(rtol=1e-300, atol=0.0, max_it=20)
-    ksp.setOperators(mat)
+    ksp.setOperators(system.mat)
     ksp.setUp()
-    seconds = median_seconds(lambda: ksp.solve(b, x))
+    seconds = median_seconds(lambda: ksp.solve(system.b, system.x))
     return seconds / max(1, ksp.getIterationNumber())
 
 
@@ -176,7 +185,7 @@ def measure_assembly(X: np.ndarray, cells: np.ndarray) -> float:
     operator.set_topology([cells])
     operator.set_constraints(np.zeros(2 * nodes, dtype=np.uint8))
     element = LINEAR_ELASTIC["tri3"]
-    params = np.array([1.0 if name in ("lambda", "mu", "thickness") else 0.0 for name in element.parameters])
+    params = np.array(UNIT_STIFFNESS)
     x, rhs = np.zeros_like(X), np.zeros(2 * nodes)
 
     def assemble() -> None:

@@ -18,14 +18,14 @@ WORLD = PETSc.COMM_WORLD
 SHIFT = 30.0
 
 
-def grid(side: int) -> sp.csr_matrix:
-    """A diagonally dominant matrix of a square of nodes with three unknowns each."""
+def grid(side: int, fields: int = 3) -> sp.csr_matrix:
+    """A diagonally dominant matrix of a square of nodes with some unknowns each."""
     chain, step = sp.diags([1, 1, 1], [-1, 0, 1], (side, side)), sp.diags([1, 1], [-1, 1], (side, side))
     graph = sp.kron(sp.identity(side), chain) + sp.kron(step, sp.identity(side))
-    blocks = sp.kron(graph, np.ones((3, 3))).tocoo()
+    blocks = sp.kron(graph, np.ones((fields, fields))).tocoo()
     values = np.random.default_rng(0).uniform(-1.0, 1.0, blocks.nnz)
     half = sp.csr_matrix((values, (blocks.row, blocks.col)), blocks.shape)
-    whole = (half + half.T + SHIFT * sp.identity(3 * side * side)).tocsr()
+    whole = (half + half.T + SHIFT * sp.identity(fields * side * side)).tocsr()
     whole.sort_indices()
     return whole
 
@@ -40,13 +40,13 @@ def shared(whole: sp.csr_matrix, fields: int = 3) -> PETSc.Mat:
     return PETSc.Mat().createAIJ((size, size), csr=(own.indptr, own.indices, own.data), comm=WORLD)
 
 
-def factored(whole: sp.csr_matrix) -> dict[str, object]:
+def factored(whole: sp.csr_matrix, fields: int = 3) -> dict[str, object]:
     """Pivots below zero beside LAPACK's eigenvalues, the residual of a solve, and whether a second one has its bits."""
-    mat, found = shared(whole), []
+    mat, found = shared(whole, fields), []
     b = mat.createVecLeft()
     b.setArray(np.random.default_rng(WORLD.rank).uniform(-1.0, 1.0, b.getLocalSize()))
     for _ in range(2):
-        factor, x, left = SharedFactor(3), b.duplicate(), b.duplicate()
+        factor, x, left = SharedFactor(fields), b.duplicate(), b.duplicate()
         below = factor.make(mat, mat, 0.0)
         factor.solve(b, x)
         mat.mult(x, left)
@@ -147,6 +147,9 @@ def main() -> None:
     indefinite = (whole - SHIFT * sp.identity(whole.shape[0])).tocsr()
     indefinite.sort_indices()
     cases = {"definite": factored(whole), "indefinite": factored(indefinite), "taken": preconditioned(whole)}
+    single = (grid(9, 1) - 0.5 * SHIFT * sp.diags(np.arange(81.0) % 3, format="csr")).tocsr()
+    single.sort_indices()
+    cases["single"] = factored(single, 1)
     cases |= {"believed": believed(), "panels": by_panels(whole), "chosen": chosen()}
     if WORLD.rank == 0:
         print(json.dumps(cases))

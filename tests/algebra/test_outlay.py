@@ -66,7 +66,7 @@ def test_what_has_no_rival_stays():
 @pytest.fixture(scope="module")
 def frames():
     """The first frames of the building, a step each, where a factor is dear: rows, with what they cost beyond it."""
-    dear = replace(NOMINAL, numeric_work=30.0 * NOMINAL.numeric_work, numeric_nonzero=30.0 * NOMINAL.numeric_nonzero)
+    dear = replace(NOMINAL, numeric_work=32.0 * NOMINAL.numeric_work, numeric_nonzero=32.0 * NOMINAL.numeric_nonzero)
     one_step = ("effects.dynamics.steps=1", "solve.jumps=false")
     scene = load_scene(VIBRATION / "scenes" / "building.toml", one_step)
     script = load_script(VIBRATION / "edits" / "building.jsonl", scene)

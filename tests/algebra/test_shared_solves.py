@@ -20,7 +20,7 @@ def found(tmp_path_factory, outside):
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize(("case", "most"), [("definite", 1e-12), ("indefinite", 1e-5)])
+@pytest.mark.parametrize(("case", "most"), [("definite", 1e-12), ("indefinite", 1e-5), ("single", 1e-9)])
 def test_a_shared_factor_in_blocks_of_nodes_solves_and_counts(found, case, most):
     """Without exchanges of rows indefinite matrices are solved less exactly; their eigenvalues are counted."""
     one = found[case]

@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* key = "restshape_panels";
 // Panels double the memory of a factor: 200 MB beside one with so many entries.
-constexpr size_t most_entries = 1 << 24;
+constexpr size_t most_double = 1 << 24, most_single = 1 << 26;
 
 using Rows = restshape::FactorRows<PetscInt>;
 using Solve = PetscErrorCode (*)(Mat, Vec, Vec);
@@ -111,7 +111,7 @@ class PetscFactor {
     PetscFactor(const PetscFactor&) = delete;
     PetscFactor& operator=(const PetscFactor&) = delete;
 
-    bool known() const { return done_ && own_ && rows_.values() <= most_entries; }
+    bool known(bool single) const { return done_ && own_ && rows_.values() <= (single ? most_single : most_double); }
     const double* values() const { return values_; }
 
     // Its rows in panels; null where these are no rows of a complete factor in an order of its unknowns.
@@ -217,6 +217,7 @@ Shared made_of(const PetscFactor& factor, bool natural, bool single) {
     if (single) {
         const Shared found = factor.panels<float>(natural);
         if (!found || factor.agrees(*found)) return found;
+        if (!factor.known(false)) return nullptr;
     }
     const Shared found = factor.panels<double>(natural);
     return found && factor.agrees(*found) ? found : nullptr;
@@ -233,7 +234,7 @@ bool solve_by_panels(intptr_t handle, bool single) {
     check(MatFactorGetSolverType(mat, &maker), "MatFactorGetSolverType");
     if (!maker || std::strcmp(maker, MATSOLVERPETSC) != 0) return false;
     const PetscFactor factor(mat);
-    if (!factor.known()) return false;
+    if (!factor.known(single)) return false;
     // A factor keeps its rows for as long as it lives.
     Panels* panels = panels_of(mat);
     if (panels && (single || !panels->single)) {
@@ -270,7 +271,8 @@ void bind_panels(py::module_& m) {
     m.def("solve_by_panels", &solve_by_panels, py::arg("handle"), py::arg("single") = false,
           "Lets MatSolve of a Cholesky factor of PETSc's with this handle go by panels of rows with nearly the same "
           "columns, with its values as they are, until PETSc makes it again. Returns whether it does: a factor of "
-          "another kind, one whose own substitutions do not agree, or one of more than 2^24 entries stays as it is.");
+          "another kind, one whose own substitutions do not agree, or one of more than 2^24 entries, of "
+          "2^26 in single precision, stays as it is.");
     m.def("panel_value_bytes", &panel_value_bytes, py::arg("handle"),
           "Bytes of a number in the panels that MatSolve of the factor with this handle goes by; 0 where it goes by "
           "none.");

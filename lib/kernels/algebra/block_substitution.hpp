@@ -16,9 +16,9 @@ void add_product(const double* block, const double* with, double (&sum)[size]) {
         for (int r = 0; r < size; ++r) sum[r] += block[c * size + r] * with[c];
 }
 
-// Solves U^T D U x = b for all unknowns x, which are b before.
+// x = (U^T D)^-1 b, which x is before.
 template <int size>
-void substitute(const BlockRows& u, double* x) {
+void substitute_forward(const BlockRows& u, double* x) {
     constexpr std::size_t numbers = size * size;
     for (PetscInt k = 0; k < u.count; ++k) {
         double *at = x + static_cast<std::size_t>(k) * size, own[size], scaled[size] = {};
@@ -35,6 +35,12 @@ void substitute(const BlockRows& u, double* x) {
         add_product<size>(u.value + k * numbers, own, scaled);
         for (int r = 0; r < size; ++r) at[r] = scaled[r];
     }
+}
+
+// x = U^-1 b, which x is before.
+template <int size>
+void substitute_backward(const BlockRows& u, double* x) {
+    constexpr std::size_t numbers = size * size;
     for (PetscInt k = u.count - 1; k >= 0; --k) {
         // Two sums, of which neither waits for the other.
         double *at = x + static_cast<std::size_t>(k) * size, even[size] = {}, odd[size] = {};
@@ -46,6 +52,13 @@ void substitute(const BlockRows& u, double* x) {
         if (j < u.start[k + 1]) add(j, even);
         for (int r = 0; r < size; ++r) at[r] += even[r] + odd[r];
     }
+}
+
+// Solves U^T D U x = b for all unknowns x, which are b before.
+template <int size>
+void substitute(const BlockRows& u, double* x) {
+    substitute_forward<size>(u, x);
+    substitute_backward<size>(u, x);
 }
 
 }  // namespace restshape

@@ -9,6 +9,7 @@
 #include "algebra/block_factor.hpp"
 #include "algebra/block_substitution.hpp"
 #include "algebra/node_graph.hpp"
+#include "algebra/number_rows.hpp"
 
 // PETSc's factor in symmetric blocks takes the natural order alone: the blocks are copied in elimination order before.
 // Its pattern and substitutions are PETSc's; its numbers are made by BlockFactor, which is faster.
@@ -35,8 +36,10 @@ struct NodeCholesky {
     std::vector<double> right, solution;
     Mat upper = nullptr, factor = nullptr;
     Vec b = nullptr, x = nullptr;
+    BlockFactor<1> singles;
     BlockFactor<2> pairs;
     BlockFactor<3> triples;
+    NumberRows numbers;              // of blocks of one number, which PETSc lays out otherwise
     PetscInt zero = 0;               // blocks without an inverse, each counted once
     PetscInt border = 0;             // the last unknowns, which are no pivots
     PetscInt fields = 0;             // unknowns a node where they are given; else the pattern shows them
@@ -76,6 +79,19 @@ PetscErrorCode with_pattern(Mat A, const Use& use) {
     PetscFunctionReturn(0);
 }
 
+// Rows of PETSc's factor, for a call, without values.
+template <class Use>
+PetscErrorCode with_rows(Mat factor, const Use& use) {
+    BlockRows own{};
+    PetscBool done;
+    PetscFunctionBegin;
+    PetscCall(MatGetRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
+    PetscCall(use(own));
+    PetscCall(MatRestoreRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+    PetscFunctionReturn(0);
+}
+
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
 
 PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) {
@@ -86,8 +102,7 @@ PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) 
     PetscCall(release(c));
     PetscCall(with_pattern(A, [&](const Pattern& a) {
         const PetscInt size = block_size(a, c->fields);
-        PetscCheck(c->border == 0 || (size > 1 && c->border % size == 0), PETSC_COMM_SELF, PETSC_ERR_SUP,
-                   "node_blocks keeps whole nodes of two or three unknowns");
+        PetscCheck(c->border % size == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks keeps whole nodes");
         return make_blocks(a, size, &u, c->border / size, by);
     }));
     const PetscInt n = A->rmap->n;
@@ -100,6 +115,11 @@ PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) 
     PetscCall((*c->factor->ops->choleskyfactorsymbolic)(c->factor, c->upper, rows, info));
     PetscCall(ISDestroy(&rows));
     PetscCall(ISDestroy(&columns));
+    if (u.size == 1)
+        PetscCall(with_rows(c->factor, [c](const BlockRows& own) {
+            c->numbers.set_pattern(own.count, own.start, own.column);
+            return PetscErrorCode(0);
+        }));
     c->right.resize(n);
     c->solution.resize(n);
     PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, u.size, n, c->right.data(), &c->b));
@@ -117,18 +137,15 @@ PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
 
 // Products of two blocks that a factor takes, about.
 PetscErrorCode count_products(Mat factor, double* products) {
-    PetscInt rows;
-    const PetscInt *starts, *columns;
-    PetscBool done;
     PetscFunctionBegin;
     *products = 0.0;
-    PetscCall(MatGetRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &rows, &starts, &columns, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
-    for (PetscInt k = 0; k < rows; ++k) {
-        const auto wide = static_cast<double>(starts[k + 1] - starts[k]);
-        *products += 0.5 * wide * (wide + 1.0);
-    }
-    PetscCall(MatRestoreRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &rows, &starts, &columns, &done));
+    PetscCall(with_rows(factor, [products](const BlockRows& own) {
+        for (PetscInt k = 0; k < own.count; ++k) {
+            const auto wide = static_cast<double>(own.start[k + 1] - own.start[k]);
+            *products += 0.5 * wide * (wide + 1.0);
+        }
+        return PetscErrorCode(0);
+    }));
     PetscFunctionReturn(0);
 }
 
@@ -149,10 +166,23 @@ PetscErrorCode dissect_if_due(Mat F, Mat A, const MatFactorInfo* info) {
     PetscFunctionReturn(0);
 }
 
-// The factor's diagonal blocks, inverted, which PETSc stores before its rows where blocks have two rows or more: A = U'
-// D U with D in blocks, so that D has the inertia of A (Sylvester).
+// The factor's diagonal blocks, inverted, stored before its rows: A = U' D U with D in blocks, so that D has the
+// inertia of A (Sylvester).
 template <int size>
 using Block = Eigen::Matrix<double, size, size>;
+
+// A count of them, for a size that is known.
+using Count = PetscInt (*)(PetscInt pivots, const double* inverses);
+
+PetscErrorCode count_pivots(NodeCholesky& c, const Count (&of_size)[3], PetscInt* found) {
+    const Count count = of_size[c.blocks.size - 1];
+    double* inverses = c.numbers.pivots();
+    PetscFunctionBegin;
+    if (c.blocks.size > 1) PetscCall(MatSeqSBAIJGetArray(c.factor, &inverses));
+    *found = count(c.pivots(), inverses);
+    if (c.blocks.size > 1) PetscCall(MatSeqSBAIJRestoreArray(c.factor, &inverses));
+    PetscFunctionReturn(0);
+}
 
 // Blocks that have no inverse in numbers. One that has, however near singular, stays: inverse iteration lives of it.
 template <int size>
@@ -191,17 +221,6 @@ PetscInt count_negative(PetscInt pivots, const double* inverses) {
     return found;
 }
 
-PetscErrorCode find_zero(Mat F) {
-    NodeCholesky* c = of(F);
-    double* inverses;
-    PetscFunctionBegin;
-    PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
-    const auto count = c->blocks.size == 3 ? count_zero<3> : count_zero<2>;
-    c->zero = count(c->pivots(), inverses);
-    PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
-    PetscFunctionReturn(0);
-}
-
 // Takes the Schur complement of the border out of the rows that it has in a factor, which are left as those of ones: a
 // forward substitution leaves there what the border's equations have on their right, without the inside.
 template <int size>
@@ -232,17 +251,22 @@ PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor
                             u.from.data(),
                             u.length.data(),
                             values};
-    BlockRows own{};
-    PetscBool done;
     PetscFunctionBegin;
-    PetscCall(MatGetRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
-    PetscCall(MatSeqSBAIJGetArray(c.factor, &own.value));
-    const double products = maker.make(from, own, c.border / size);
-    if (c.border) take_complement<size>(c, own);
-    PetscCall(MatSeqSBAIJRestoreArray(c.factor, &own.value));
-    PetscCall(MatRestoreRowIJ(c.factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
-    PetscCall(PetscLogFlops(2.0 * size * size * size * products));
+    PetscCall(with_rows(c.factor, [&](BlockRows own) {
+        double* held;
+        PetscFunctionBegin;
+        PetscCall(MatSeqSBAIJGetArray(c.factor, &held));
+        if constexpr (size == 1)
+            own = c.numbers.rows();
+        else
+            own.value = held;
+        const double products = maker.make(from, own, c.border / size);
+        if (c.border) take_complement<size>(c, own);
+        if constexpr (size == 1) c.numbers.copy(held);
+        PetscCall(MatSeqSBAIJRestoreArray(c.factor, &held));
+        PetscCall(PetscLogFlops(2.0 * size * size * size * products));
+        PetscFunctionReturn(0);
+    }));
     PetscFunctionReturn(0);
 }
 
@@ -252,7 +276,7 @@ PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
     PetscFunctionBegin;
     if (!known[size].solve) {
         const PetscInt start[] = {0, 1}, column[] = {0};
-        const PetscScalar one[] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}, pair[] = {1.0, 0.0, 0.0, 1.0};
+        const PetscScalar triple[] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}, pair[] = {1.0, 0.0, 0.0, 1.0};
         MatFactorInfo info;
         Mat single, made;
         IS rows, columns;
@@ -260,7 +284,7 @@ PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
         PetscCall(MatCreate(PETSC_COMM_SELF, &single));
         PetscCall(MatSetSizes(single, size, size, size, size));
         PetscCall(MatSetType(single, MATSEQSBAIJ));
-        PetscCall(MatSeqSBAIJSetPreallocationCSR(single, size, start, column, size == 2 ? pair : one));
+        PetscCall(MatSeqSBAIJSetPreallocationCSR(single, size, start, column, size == 2 ? pair : triple));
         PetscCall(MatGetFactor(single, MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &made));
         PetscCall(MatGetOrdering(single, MATORDERINGNATURAL, &rows, &columns));
         PetscCall((*made->ops->choleskyfactorsymbolic)(made, single, rows, &info));
@@ -275,16 +299,9 @@ PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
     factor->ops->solvetranspose = known[size].solvetranspose;
     factor->ops->forwardsolve = known[size].forwardsolve;
     factor->ops->backwardsolve = known[size].backwardsolve;
+    // Of single numbers PETSc's halves take roots of pivots, which may be negative.
+    if (size == 1) factor->ops->forwardsolve = factor->ops->backwardsolve = nullptr;
     factor->assembled = factor->preallocated = PETSC_TRUE;
-    PetscFunctionReturn(0);
-}
-
-PetscErrorCode copy_single(NodeCholesky& c, const double* values) {
-    double* copied;
-    PetscFunctionBegin;
-    PetscCall(MatSeqSBAIJGetArray(c.upper, &copied));
-    copy_values(values, c.blocks, copied);
-    PetscCall(MatSeqSBAIJRestoreArray(c.upper, &copied));
     PetscFunctionReturn(0);
 }
 
@@ -297,43 +314,47 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
     c->factor->factorerrortype = MAT_FACTOR_NOERROR;
     c->zero = 0;
     PetscCall(MatSeqAIJGetArrayRead(A, &values));
-    if (size == 1) PetscCall(copy_single(*c, values));
+    if (size == 1) PetscCall(make_blocks_of(*c, values, c->singles));
     if (size == 2) PetscCall(make_blocks_of(*c, values, c->pairs));
     if (size == 3) PetscCall(make_blocks_of(*c, values, c->triples));
     PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
-    if (size == 1) {
-        PetscCall((*c->factor->ops->choleskyfactornumeric)(c->factor, c->upper, info));
-    } else {
-        PetscCall(set_substitutions(c->factor, size));
-        PetscCall(find_zero(F));
-    }
-    F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : c->factor->factorerrortype;
+    PetscCall(set_substitutions(c->factor, size));
+    PetscCall(count_pivots(*c, {count_zero<1>, count_zero<2>, count_zero<3>}, &c->zero));
+    F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : MAT_FACTOR_NOERROR;
     PetscFunctionReturn(0);
 }
 
 // Forward substitution of `right` into `solution`, and backward from there into `right`.
-PetscErrorCode go_forward(NodeCholesky* c) { return (*c->factor->ops->forwardsolve)(c->factor, c->b, c->x); }
-PetscErrorCode go_backward(NodeCholesky* c) { return (*c->factor->ops->backwardsolve)(c->factor, c->x, c->b); }
+PetscErrorCode go_forward(NodeCholesky* c) {
+    if (c->factor->ops->forwardsolve) return (*c->factor->ops->forwardsolve)(c->factor, c->b, c->x);
+    std::copy(c->right.begin(), c->right.end(), c->solution.begin());
+    substitute_forward<1>(c->numbers.rows(), c->solution.data());
+    return 0;
+}
+PetscErrorCode go_backward(NodeCholesky* c) {
+    if (c->factor->ops->backwardsolve) return (*c->factor->ops->backwardsolve)(c->factor, c->x, c->b);
+    std::copy(c->solution.begin(), c->solution.end(), c->right.begin());
+    substitute_backward<1>(c->numbers.rows(), c->right.data());
+    return 0;
+}
 
 // Both substitutions of `right` in the place of a large factor, into `solution`; `taken` is whether the factor is one.
 PetscErrorCode substitute_in_place(NodeCholesky* c, bool* taken) {
-    BlockRows own{};
-    PetscBool done;
     PetscFunctionBegin;
     *taken = false;
     if (c->blocks.size != 3) PetscFunctionReturn(0);
-    PetscCall(MatGetRowIJ(c->factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
-    const std::size_t numbers = 9 * static_cast<std::size_t>(own.start[own.count]);
-    *taken = numbers > in_place;
-    if (*taken) {
+    PetscCall(with_rows(c->factor, [c, taken](BlockRows own) {
+        const std::size_t numbers = 9 * static_cast<std::size_t>(own.start[own.count]);
+        PetscFunctionBegin;
+        *taken = numbers > in_place;
+        if (!*taken) PetscFunctionReturn(0);
         PetscCall(MatSeqSBAIJGetArray(c->factor, &own.value));
         std::copy(c->right.begin(), c->right.end(), c->solution.begin());
         substitute<3>(own, c->solution.data());
         PetscCall(MatSeqSBAIJRestoreArray(c->factor, &own.value));
         PetscCall(PetscLogFlops(4.0 * static_cast<double>(numbers)));
-    }
-    PetscCall(MatRestoreRowIJ(c->factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
+        PetscFunctionReturn(0);
+    }));
     PetscFunctionReturn(0);
 }
 
@@ -367,16 +388,9 @@ PetscErrorCode solve(Mat F, Vec b, Vec x) {
 
 PetscErrorCode inertia(Mat F, PetscInt* negative, PetscInt* zero, PetscInt* positive) {
     NodeCholesky* c = of(F);
-    double* inverses;
+    PetscInt below;
     PetscFunctionBegin;
-    if (c->blocks.size == 1) {
-        PetscCall(MatGetInertia(c->factor, negative, zero, positive));
-        PetscFunctionReturn(0);
-    }
-    PetscCall(MatSeqSBAIJGetArray(c->factor, &inverses));
-    const auto count = c->blocks.size == 3 ? count_negative<3> : count_negative<2>;
-    const PetscInt below = count(c->pivots(), inverses);
-    PetscCall(MatSeqSBAIJRestoreArray(c->factor, &inverses));
+    PetscCall(count_pivots(*c, {count_negative<1>, count_negative<2>, count_negative<3>}, &below));
     if (negative) *negative = below;
     if (zero) *zero = c->zero;
     if (positive) *positive = F->rmap->n - c->border - below - c->zero;

@@ -187,12 +187,4 @@ PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* u, Pets
     PetscFunctionReturn(0);
 }
 
-void copy_values(const double* a, const UpperBlocks& u, double* blocks) {
-    const PetscInt size = u.size, n = static_cast<PetscInt>(u.order.size());
-    for (PetscInt k = 0; k < n; ++k)
-        for (PetscInt j = u.starts[k]; j < u.starts[k + 1]; ++j)
-            for (PetscInt c = 0; c < size; ++c)
-                for (PetscInt r = 0; r < size; ++r) *blocks++ = a[u.from[j] + r * u.length[k] + c];
-}
-
 }  // namespace restshape

@@ -37,7 +37,4 @@ PetscErrorCode make_blocks(const Pattern& a, PetscInt size, UpperBlocks* blocks,
 // Whether PETSc has come with nested dissection.
 bool has_dissection();
 
-// Copies the values of A, of the pattern that the blocks were made of, each block by columns.
-void copy_values(const double* a, const UpperBlocks& u, double* blocks);
-
 }  // namespace restshape

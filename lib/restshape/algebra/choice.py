@@ -169,8 +169,7 @@ class Choice:
     def candidates(self, size: Size) -> tuple[Candidate, ...]:
         """What may be chosen for matrices of that size."""
         known = candidates(replace(self.traits, dimension=size.dimension))
-        nodes = (size.fields or size.dimension) > 1
-        known = tuple(one for one in known if not one.shared or (size.ranks > 1 and nodes))
+        known = tuple(one for one in known if not one.shared or size.ranks > 1)
         if not self.krylov:
             return known
         same = tuple(one for one in known if one.krylov == self.krylov)
@@ -262,7 +261,7 @@ class Choice:
     def _iterations_of(self, candidate: Candidate, size: Size) -> Iterations:
         key = (candidate.name, size.dimension, size.ranks)
         if key not in self.iterations:
-            self.iterations[key] = Iterations(candidate.prior(size.dimension).growth)
+            self.iterations[key] = Iterations(candidate.prior(size.dimension).growth(size.unknowns / size.share))
         return self.iterations[key]
 
     def _scale(self, candidate: Candidate, size: Size) -> float:

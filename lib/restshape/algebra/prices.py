@@ -7,9 +7,14 @@ from typing import NamedTuple
 
 from restshape.calibration import Calibration
 
-SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE = 4.0, 2.2, 1.9
-"""Seconds a nonzero of a factor of single numbers over those of one in blocks of a node, which the calibration has:
-`python scripts/factors.py`. Complete Cholesky factors have blocks where a node has several unknowns."""
+SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE, SINGLE_PRODUCT = 6.0, 1.25, 1.6, 1.45
+"""Seconds a nonzero of a complete factor, or of a matrix, with one unknown a node over those of one with two, which the
+calibration has: `python scripts/factors.py`, as are those that follow."""
+SINGLE_CYCLE, SINGLE_REFRESH, SINGLE_SETUP = 2.3, 1.4, 1.7
+"""The same of algebraic multigrid."""
+PETSC_SYMBOLIC, PETSC_NUMERIC, PETSC_SOLVE = 4.0, 2.2, 1.9
+"""Of PETSc's incomplete factors, whatever the unknowns a node: a nonzero over one of a complete factor in blocks of a
+node, as was measured with the calibration."""
 ROW = 14.0
 """Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
 EXCHANGE, COARSENING = 5e-6, 10.0
@@ -74,8 +79,8 @@ class Prices(NamedTuple):
 
 def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
     """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
-    if kind != "cholesky" or size.fields == 1:
-        known = _of_single_numbers(known)
+    known = _of_incomplete_factors(known) if kind in ("ilu", "icc") else known
+    known = _of_single_numbers(known) if size.fields == 1 and kind in ("cholesky", "gamg") else known
     filled = filled / size.ranks
     work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
     once, product = known.pass_seconds(*work) + exchange_seconds(kind, size), known.matvec_nonzero * work[1]
@@ -184,4 +189,19 @@ def _of_single_numbers(known: Calibration) -> Calibration:
         numeric_nonzero=SINGLE_NUMERIC * known.numeric_nonzero,
         numeric_work=SINGLE_NUMERIC * known.numeric_work,
         solve_nonzero=SINGLE_SOLVE * known.solve_nonzero,
+        matvec_nonzero=SINGLE_PRODUCT * known.matvec_nonzero,
+        gamg_solve_nonzero=SINGLE_CYCLE * known.gamg_solve_nonzero,
+        gamg_refresh_nonzero=SINGLE_REFRESH * known.gamg_refresh_nonzero,
+        gamg_setup_nonzero=SINGLE_SETUP * known.gamg_setup_nonzero,
+    )
+
+
+@lru_cache(maxsize=4)
+def _of_incomplete_factors(known: Calibration) -> Calibration:
+    return replace(
+        known,
+        symbolic_nonzero=PETSC_SYMBOLIC * known.symbolic_nonzero,
+        numeric_nonzero=PETSC_NUMERIC * known.numeric_nonzero,
+        numeric_work=PETSC_NUMERIC * known.numeric_work,
+        solve_nonzero=PETSC_SOLVE * known.solve_nonzero,
     )
