@@ -102,7 +102,7 @@ def plate_system(X: np.ndarray, cells: np.ndarray, fields: int = 2) -> PlateSyst
 
 
 def again(system: PlateSystem, pc: PETSc.PC) -> None:
-    """Make a preconditioner anew, of the same pattern."""
+    """Rebuild a preconditioner on the same pattern."""
     # A value set again makes PETSc take the matrix for a new one, of which it no longer knows that it is definite.
     system.mat.setValue(0, 0, system.mat.getValue(0, 0))
     system.mat.assemble()
