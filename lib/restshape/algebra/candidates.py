@@ -51,8 +51,8 @@ class Prior:
 
 SLOW, STEADY = Law(0.02, 0.0), Law(0.03, 0.0)
 AGED = Law(3.9, -0.3)
-"""Growth with incomplete factors, with multigrid, and with complete factors: on the plate, with projected guesses, these
-add 0.47, 0.23, 0.10 and 0.07 a solve at 2,100, 19,000, 77,000 and 242,000 unknowns, those of heat in it 0.03 from
+"""Growth with incomplete factors, with multigrid, and with complete factors: on the plate, with projected guesses,
+these add 0.47, 0.23, 0.10 and 0.07 a solve at 2,100, 19,000, 77,000 and 242,000 unknowns, those of heat in it 0.03 from
 10,000 on (iterations and factors of `replay --csv` with `-solid_pc_type cholesky`)."""
 COUPLED = Law(1.2, 1 / 3)
 """Iterations that Cholesky factors of the ranks' rows with two layers of others' take more on two ranks: on the plate
