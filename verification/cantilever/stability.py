@@ -57,7 +57,7 @@ def long_replay(trial: Trial) -> Iterator[Statement]:
     path = [(2.0 + 0.1 * np.sin(k * turn), 0.125 + 0.05 * (1 - np.cos(k * turn))) for k in range(1, frames + 1)]
     rows = trial.rows(SCENE, drag("tip", (2.0, 0.125), path), overrides=['mesh.size="120 mm"'])
     again = [row["q_miss"] for row in rows[101:-1:100]]
-    yield near("distance from the goal after each turn", again, rows[0]["q_miss"], 1e-5)
+    yield near("distance from the goal after each turn", again, rows[0]["q_miss"], 1e-6)
     yield from valid(rows, 0, 1e-6)
 
 
