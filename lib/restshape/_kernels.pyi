@@ -104,6 +104,7 @@ __all__: list[str] = [
     "same_values",
     "schur_complement",
     "sent_fields",
+    "sent_outline",
     "set_schur_rows",
     "set_stage",
     "sides_gone",
@@ -1041,6 +1042,12 @@ def sent_fields(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     displacement: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+) -> tuple: ...
+def sent_outline(
+    controls: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    ends: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],
+    shares: typing.Annotated[numpy.typing.ArrayLike, numpy.complex128],
+    vertices: typing.SupportsInt | typing.SupportsIndex,
 ) -> tuple: ...
 def set_schur_rows(
     factor: typing.SupportsInt | typing.SupportsIndex, rows: numpy.typing.NDArray[numpy.int32]

@@ -125,7 +125,7 @@ def test_the_process_goes_on_from_the_frame_that_is_taken(recorded, tmp_path):
 def test_frames_of_a_recording_have_the_errors_and_limits_of_those_that_were_live(tmp_path):
     scene = restshape.load(BRACKET, *COARSE, "quantities.stress_at_window.max='1 Pa'")
     for frame in restshape.replay(scene, out=tmp_path / "one.vtkhdf"):
-        live = header_of(frame.index, frame.row, scene, None)
+        live = header_of(frame.row, scene, None)
     assert live["limits"] == {"stress_at_window": "fails"} and live["errors"]["stress_at_window"] > 0
     (shown,) = Viewer(tmp_path / "one.vtkhdf").of("frame")
     assert (shown["limits"], shown["errors"]) == (live["limits"], live["errors"])

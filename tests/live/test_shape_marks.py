@@ -85,11 +85,15 @@ def test_an_extreme_is_found_among_the_values_that_are_known(bracket):
         values = np.array([np.nan, 1.0, 3.0, np.nan])
         fields = {**seen.frame.fields, "known": values}
         partly = replace(seen, frame=SimpleNamespace(fields=fields, row={}))
-        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) == place
+        assert (
+            ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None, ("q_a", "a_error")), partly) == place
+        )
         later = replace(seen, frame=SimpleNamespace(fields=fields, row={"q_a": 4.0}))
-        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), later) is None
+        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None, ("q_a", "a_error")), later) is None
         values[:] = np.nan
-        assert ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None), partly) is None
+        assert (
+            ExtremeMarks()._node(LookedAt("a", "Pa", "known", None, reduce, None, ("q_a", "a_error")), partly) is None
+        )
 
 
 def test_a_limit_that_fails_is_said_at_its_place():

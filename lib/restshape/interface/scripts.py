@@ -26,7 +26,7 @@ TICKS = 1e4
 """Edit times in a second at which events begin that have no time of their own."""
 
 _LINE = json.JSONEncoder(allow_nan=False)
-_DRAG = ["t", "do", "to"]
+_DRAG, _NUMBERS = ["t", "do", "to"], {float}
 MOTION = {"line", "t", "do", "to"}
 """What the motion of a hand to a place has, and no other event."""
 
@@ -40,6 +40,7 @@ class WrittenScript:
 
     Attributes:
         t: edit time [s] at which the next event begins, where it has no time of its own.
+        last_frames: of the last event.
 
     Raises:
         UserError: the scene moves in time, so that no frame can be left out.
@@ -50,6 +51,8 @@ class WrittenScript:
         self._reader = edit_script.reader_of(scene, self._header, PLACE)
         self._tables: list[Table] = []
         self.t = 0.0
+        self.last_frames = 0
+        self._motion: EventLine | None = None
 
     def add(self, do: str, keys: Mapping[str, object]) -> EventLine:
         """Takes in an event, which begins at `t` unless it says otherwise.
@@ -98,20 +101,16 @@ class WrittenScript:
         """
         events = self._reader.events
         last = events[-1] if events else None
-        # Applications have events of their own by this name.
-        before = getattr(last, "to", None)
-        if last is None or last.do != "drag" or before is None or last.model_fields_set != MOTION:
-            return None
-        if len(to) != len(before):
+        if last is None or (last is not self._motion and not _is_motion(last)) or len(to) != len(last.to):  # type: ignore[attr-defined]
             return None
         for one in to:
             if not isinstance(one, float) or not isfinite(one):
                 return None
         # NumPy's numbers are of a kind that JSON does not know.
         place, t = [*map(float, to)], self.t  # type: ignore[arg-type]
-        event = _at_another_place(last, len(events) + 2, t, tuple(place))
+        event = self._motion = _at_another_place(last, len(events) + 2, t, tuple(place))
         events.append(event)
-        self._reader.t = t
+        self._reader.t, self.last_frames = t, 1
         self._tables.append({"t": t, "do": "drag", "to": place})
         self.t = _end(t, 1)
         return event
@@ -144,7 +143,8 @@ class WrittenScript:
             self._reader.grabbed = grabbed
             raise
         self._tables.append(table)
-        self.t = _end(event.t, event.frame_count)
+        self.last_frames = event.frame_count
+        self.t = _end(event.t, self.last_frames)
         return event
 
     def cut_last(self, frames: int, path: Sequence[Sequence[float]]) -> bool:
@@ -184,17 +184,14 @@ class WrittenScript:
     def drop_last(self) -> None:
         """The last event has not been carried out."""
         self._tables.pop()
-        self._reader.events.pop()
+        events = self._reader.events
+        events.pop()
+        self.last_frames = events[-1].frame_count if events else 0
 
     @property
     def count(self) -> int:
         """Events so far."""
         return len(self._tables)
-
-    @property
-    def last_frames(self) -> int:
-        """Frames of the last event."""
-        return self._reader.events[-1].frame_count
 
     def last_line(self) -> str:
         """The text of the last event, without the end of its line."""
@@ -224,6 +221,11 @@ class WrittenScript:
         return Script(self._header, tuple(self._reader.events), warnings=tuple(self._reader.odd), text=text)
 
 
+def _is_motion(event: EventLine) -> bool:
+    """Whether an event is the motion of a hand to a place alone; applications have events of their own by this name."""
+    return event.do == "drag" and event.model_fields_set == MOTION and getattr(event, "to", None) is not None
+
+
 def _at_another_place(last: EventLine, line: int, t: float, to: tuple[float, ...]) -> EventLine:
     """A drag as another one, which is valid, but for its line, time and place.
 
@@ -241,7 +243,7 @@ def _line_of(table: Table) -> str:
     """The text of an event, without the end of its line."""
     if [*table] == _DRAG:
         t, do, to = table.values()
-        if do == "drag" and type(t) is float and isinstance(to, list) and all(type(one) is float for one in to):
+        if do == "drag" and type(t) is float and type(to) is list and {*map(type, to)} == _NUMBERS:
             # The same as the encoder writes, which finds out first what there is.
             return f'{{"t": {t!r}, "do": "drag", "to": [{", ".join(map(repr, to))}]}}'
     return _LINE.encode(table)

@@ -72,8 +72,9 @@ class ShownFrame(ReadableFrame):
     def __init__(self, row: RowValues, answer: LastAnswer, counts: Counts | None = None) -> None:
         self.row, self.counts = row, counts
         self._answer, self._count = answer, answer.count
+        self._fields: tuple[dict[str, Reals], dict[str, Reals]] | None = None
 
-    @cached_property
+    @property
     def fields(self) -> dict[str, Reals]:
         """Fields by name: (n,) or (n, c) of the nodes, (ne,) or (ne, c) of the cells, as recordings have them.
 
@@ -84,16 +85,22 @@ class ShownFrame(ReadableFrame):
             UserError: the frame is not the last one any more.
         """
         at_nodes, in_cells = self.fields_apart
-        return in_cells | at_nodes
+        return in_cells | at_nodes if in_cells else at_nodes
 
-    @cached_property
+    @property
     def fields_apart(self) -> tuple[dict[str, Reals], dict[str, Reals]]:
         """Fields of the nodes, and those of the cells; as of `fields`, with its errors."""
-        replay = self._replay()
-        space, known = replay.solver.space, replay.solver.known
-        at_nodes, in_cells = replay.analysis.fields() if known else replay.analysis.blank_fields(space)
-        views = [{name: read_only(one.view()) for name, one in fields.items()} for fields in (at_nodes, in_cells)]
-        return views[0], views[1]
+        if self._fields is None:
+            replay = self._replay()
+            solver = replay.solver
+            own = replay.analysis.fields() if solver.known else replay.analysis.blank_fields(solver.space)
+            found: tuple[dict[str, Reals], dict[str, Reals]] = {}, {}
+            for fields, views in zip(own, found):
+                for name, values in fields.items():
+                    view = views[name] = values.view()
+                    view.flags.writeable = False
+            self._fields = found
+        return self._fields
 
     @cached_property
     def mesh(self) -> ShownMesh:

@@ -142,15 +142,25 @@ class Simulation(Edits):
         Args:
             to: its two or three coordinates [m]; errors as of `do`.
         """
-        self._finish()
-        event = self._written.moved_on(to)
-        if event is None:
+        if not self._moves(to):
             return self.do("drag", to=to)
-        self._rows = self._replay.answers(self._replay.session.frames_of(event))
         self._finish()
         if self._strict and self.frame.row["refused"]:
             raise RefusedFrame(self.frame)
         return self.frame
+
+    def moving(self, to: list[object]) -> Iterator[ShownFrame]:
+        """Moves what the hand holds, as `move` does; its one frame as soon as it is computed, as of `each`."""
+        return self._frames() if self._moves(to) else self.each("drag", to=to)
+
+    def _moves(self, to: list[object]) -> bool:
+        """Begins the motion of a hand to another place, where it is one that goes on."""
+        self._finish()
+        event = self._written.moved_on(to)
+        if event is None:
+            return False
+        self._rows = self._replay.answers(self._replay.session.frames_of(event))
+        return True
 
     def each(self, do: str, /, **keys: object) -> Iterator[ShownFrame]:
         """Carries out an event; each of its frames as soon as it is computed.

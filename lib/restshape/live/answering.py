@@ -13,19 +13,19 @@ from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, cast
 
+from restshape.analysis.row_values import number as number_in
 from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
 from restshape.live.gesture_numbers import Gestures
-from restshape.live.json_text import json_bytes
+from restshape.live.json_text import json_bytes, json_text
 from restshape.live.link import ENDED_BY_HAND, Link, LinkClosed
 from restshape.live.mark_messages import placed
 from restshape.live.message_loop import MessageLoop
 from restshape.live.moment import Moment
 from restshape.live.moved_marks import MovedMarks
 from restshape.live.player_controls import PlayerControls
-from restshape.live.shape_surface import mode_of
 from restshape.live.shown_marks import Mark, Tone, shown_with
 from restshape.live.welcome import SessionWords
 
@@ -59,6 +59,7 @@ class Worker(MessageLoop):
         self._marks, self._moved_marks = True, MovedMarks()
         self._due: float | None = None
         self._gestures = Gestures(live)
+        self._seen = live.scene, application_of(live.scene)
         self.handlers |= {
             page.EventMessage: self._event,
             page.ShowMessage: self._show,
@@ -188,8 +189,10 @@ class Worker(MessageLoop):
         Args:
             number: of the message whose event it is; 0: of none.
         """
+        if not self.live.lines:
+            return
         lines = self.live.take_lines()
-        if not lines or self.player is not None:
+        if self.player is not None:
             return
         for line in lines:
             self._to_file(partial(self.file.add, line))
@@ -205,8 +208,8 @@ class Worker(MessageLoop):
                 self.say({"type": "note", "message": str(error)})
 
     def _say_written(self, lines: Sequence[str], number: int = 0, with_next: bool = False) -> None:
-        text = "".join(f"{line}\n" for line in lines)
-        message = json_bytes({"type": "written", "id": number, "lines": text, "count": self.file.count})
+        text = json_text("\n".join([*lines, ""]))
+        message = f'{{"type":"written","id":{number},"lines":{text},"count":{self.file.count}}}'.encode()
         (self.link.send_with_next if with_next else self.link.send)(message)
 
     def _rest(self) -> None:
@@ -346,13 +349,17 @@ class Worker(MessageLoop):
 
     def moment(self) -> Moment:
         """What a page sees of the last frame."""
-        live, frame = self.live, self.live.sim.frame
-        header = self.words.headers(frame.index, frame.row, live.scene, live.hand)
+        live, sim, picture = self.live, self.live.sim, self.live.picture
+        row, scene = sim.frame.row, sim.scene
+        header = self.words.headers(row, scene, live.hand)
         if self._due is not None:
             header["runs"] = True
         if live.recorder is not None:
             header["records"] = True
-        found = cast("Sequence[Mark]", application_of(live.scene).marked(live.sim)) if self._marks else ()
-        parts = live.picture.parts()
-        marks = self._moved_marks(shown_with(found, mode_of(live.picture.field)), parts)
-        return Moment(header, parts, marks, float(str(frame.row["t"])))
+        marks: Sequence[Mark] = ()
+        if self._marks:
+            if scene is not self._seen[0]:
+                self._seen = scene, application_of(scene)
+            marks = cast("Sequence[Mark]", self._seen[1].marked(sim))
+        parts = picture.parts()
+        return Moment(header, parts, self._moved_marks(shown_with(marks, picture.mode), parts), number_in(row, "t"))

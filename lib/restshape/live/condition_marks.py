@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -35,21 +35,27 @@ class ConditionMarks:
     """
 
     def __init__(self) -> None:
+        self._scene: Scene | None = None
         self._bound: tuple[object, ...] = ()
         self._acting: list[ActsOn | LoadArrows] = []
-        self._shown: tuple[tuple[object, ...], list[Mark]] = ((), [])
+        self._geometry, self._deformed = -1, cast("Reals | None", None)
+        self._shown: list[Mark] = []
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
         """The marks of a frame."""
         space, scene = seen.space, seen.scene
-        # Edits of other tables leave these as they are.
-        bound = scene.supports, scene.loads, scene.effects, scene.parameters, space, space.topology
-        if not _same(bound, self._bound):
-            self._bound, self._acting = bound, [*_supports(seen.scene, space), *_loads(seen.scene, space)]
-        drawn = *bound, space.geometry, seen.deformed
-        if not _same(drawn, self._shown[0]):
-            self._shown = drawn, [one.mark(seen) for one in self._acting]
-        return self._shown[1]
+        known = scene is self._scene and space is self._bound[-2] and space.topology == self._bound[-1]
+        if not known:
+            # Edits of other tables leave these as they are.
+            bound = scene.supports, scene.loads, scene.effects, scene.parameters, space, space.topology
+            known = _same(bound, self._bound)
+            self._scene, self._bound = scene, bound
+        if not known:
+            self._acting = [*_supports(scene, space), *_loads(scene, space)]
+        if not known or self._geometry != space.geometry or self._deformed is not seen.deformed:
+            self._geometry, self._deformed = space.geometry, seen.deformed
+            self._shown = [one.mark(seen) for one in self._acting]
+        return self._shown
 
 
 class ActsOn:
@@ -88,18 +94,19 @@ class LoadArrows:
 
     def __init__(self, name: str, load: Load | None, ends: Indices, inside: bool, vector: Reals | None = None) -> None:
         self.name, self.load, self.ends, self.inside, self.vector = name, load, ends, inside, vector
+        self._rows = ends.ravel().astype(np.intp)
         self._at: Reals | None = None
         self._both: Reals | None = None
         self._last: Arrows | Lines = Lines("", np.empty((0, 2)))
 
     def mark(self, seen: SeenFrame) -> Mark:
         """The arrows of a frame: the last ones where nothing has moved."""
-        at = seen.places(self.ends)
+        at = seen.space.X.take(self._rows, axis=0)
         if not _equal(at, self._at):
-            self._at, self._both, self._last = at, None, self._made(seen.scene, at)
+            self._at, self._both, self._last = at, None, self._made(seen.scene, seen.places(self.ends))
             if seen.all_nodes_drawn:
                 self._last = self._last.at_nodes(self.ends)
-        if seen.all_nodes_drawn:
+        if self._last.nodes is not None or seen.all_nodes_drawn:
             return self._last
         if not _equal(both := seen.moved(self.ends), self._both):
             self._both = both

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import zip_longest
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,12 +21,15 @@ from restshape.report.extreme_words import EXTREMES, extreme_words
 from restshape.report.field import IN_CELLS
 
 if TYPE_CHECKING:
+    from restshape.analysis.row_values import RowValues
     from restshape.arrays import Indices, Reals
     from restshape.live.seen_frame import SeenFrame
     from restshape.scene.quantity import Quantity
 
 SAME = 1e-9
 """Relative difference between a quantity and the value of the field at its place, at most."""
+SIZES = ("absmax", "peak")
+"""Reductions of the size of values."""
 AXES = {"x": 0, "y": 1, "z": 2}
 
 
@@ -37,6 +39,7 @@ class LookedAt:
 
     Args:
         name: of the quantity, empty of a field that none is taken from; unit: its SI unit.
+        columns: of its values and their errors.
         field: in which it is an extreme; empty where it is no extreme of a field.
         column: of vectors in that field; None: their size, or of numbers.
         reduce: which extreme.
@@ -49,6 +52,7 @@ class LookedAt:
     column: int | None
     reduce: str
     nodes: Indices | None
+    columns: tuple[str, str]
 
 
 class ExtremeMarks:
@@ -56,7 +60,7 @@ class ExtremeMarks:
 
     def __init__(self) -> None:
         self._bound: tuple[object, object, int] = (None, None, -1)
-        self._looked_at: dict[str, LookedAt] = {}
+        self._looked_at: list[LookedAt] = []
         self._last: list[Words] = []
 
     def __call__(self, seen: SeenFrame) -> list[Words]:
@@ -67,30 +71,32 @@ class ExtremeMarks:
         quantities, space = seen.scene.quantities, seen.space
         if quantities is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
             self._bound = quantities, space, space.topology
-            self._looked_at = {one.name: one for one in _looked_at(seen)}
-        said = seen.frame.findings if seen.frame.row["findings"] else ()
-        findings = {one.subjects[0]: one for one in said if _on_limit(one)}
+            self._looked_at = [*_looked_at(seen)]
+        row = seen.frame.row
+        findings = _found_on_limits(seen) if row["findings"] else {}
         marks: list[Words] = []
-        for name, one in self._looked_at.items():
-            found = findings.pop(name, None) if findings else None
-            if found is None and not one.field:
-                continue
-            node = self._node(one, seen)
+        for one in self._looked_at:
+            found = findings.pop(one.name, None) if findings else None
             if found is not None:
-                marks.append(_words(_limit_words(found), _meaning(found), node, seen))
-            elif node is not None:
-                marks.append(_words(_said(one, seen, node), "guide", node, seen))
-        marks += [_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values()]
+                marks.append(_words(_limit_words(found), _meaning(found), self._node(one, seen), seen))
+            elif one.field and (node := self._node(one, seen)) is not None:
+                said = _said(one, row) if one.name else _said_of_field(one, seen, node)
+                marks.append(_words(said, "guide", node, seen))
+        if findings:
+            marks += [_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values()]
         # What is said again is the same object: it is not sent to the page again.
-        self._last = [last if last == one else one for one, last in zip_longest(marks, self._last[: len(marks)])]
-        return self._last
+        for place, (mark, last) in enumerate(zip(marks, self._last)):
+            if mark.text == last.text and mark == last:
+                marks[place] = last
+        self._last = marks
+        return marks
 
     def _node(self, one: LookedAt, seen: SeenFrame) -> int | None:
         """The node at which a quantity has its value, or the middle one of the place where it is taken."""
         if not one.field:
             return None if one.nodes is None or not len(one.nodes) else int(one.nodes[len(one.nodes) // 2])
         values, nodes = values_of(one, seen)
-        if one.reduce in ("absmax", "peak"):
+        if one.reduce in SIZES:
             values = np.abs(values)
         place = int(values.argmin() if one.reduce == "min" else values.argmax())
         if not isfinite(found := float(values[place])):
@@ -100,7 +106,7 @@ class ExtremeMarks:
                 return None
             place = int(known[values[known].argmin() if one.reduce == "min" else values[known].argmax()])
             found = float(values[place])
-        value = number(seen.frame.row, quantity_column(one.name)) if one.name else np.nan
+        value = number(seen.frame.row, one.columns[0]) if one.name else nan
         # A peak over the time steps of a frame may be nowhere at its end.
         if abs(found - value) > SAME * abs(value):
             return None
@@ -120,12 +126,13 @@ def _looked_at(seen: SeenFrame) -> Iterator[LookedAt]:
                 continue
         field, column = _field_of(quantity, looks) if quantity.reduce in EXTREMES else ("", None)
         field, marked = _present(field, seen), marked or bool(_present(field, seen))
-        yield LookedAt(name, quantity.unit, field, column, str(quantity.reduce), nodes)
+        columns = quantity_column(name), error_column(name)
+        yield LookedAt(name, quantity.unit, field, column, str(quantity.reduce), nodes, columns)
     if marked:
         return
     for key, look in pictured.items():
         if look.quantity is not None and (field := _present(key, seen)):
-            yield LookedAt("", look.unit, field, None, "max", None)
+            yield LookedAt("", look.unit, field, None, "max", None, ("", ""))
             return
 
 
@@ -154,20 +161,24 @@ def values_of(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
     return (np.linalg.norm(field, axis=1) if one.column is None else field[:, one.column]), nodes
 
 
-def _said(one: LookedAt, seen: SeenFrame, node: int) -> str:
-    """The quantity with its value, and its estimated error where there is one; of a field its largest value."""
-    row = seen.frame.row
-    if not one.name:
-        values, nodes = values_of(one, seen)
-        return extreme_words(
-            "max", float(np.nanmax(values if nodes is None else values[nodes == node])), np.nan, one.unit
-        )
-    value, error = number(row, quantity_column(one.name)), number(row, error_column(one.name))
-    return extreme_words(one.name, value, cleared(error, value), one.unit)
+def _said_of_field(one: LookedAt, seen: SeenFrame, node: int) -> str:
+    """The largest value of a field."""
+    values, nodes = values_of(one, seen)
+    return extreme_words("max", float(np.nanmax(values if nodes is None else values[nodes == node])), nan, one.unit)
 
 
-def _on_limit(finding: Finding) -> bool:
-    return finding.kind in (LIMIT, UNCERTAINTY) and finding.detail != OMITTED and bool(finding.subjects)
+def _said(one: LookedAt, row: RowValues) -> str:
+    """The quantity with its value, and its estimated error where there is one."""
+    of_values, of_errors = one.columns
+    value = number(row, of_values)
+    error = cleared(number(row, of_errors), value) if of_errors in row else nan
+    return extreme_words(one.name, value, error, one.unit)
+
+
+def _found_on_limits(seen: SeenFrame) -> dict[str, Finding]:
+    """What a frame says of the limits of quantities, by their names."""
+    said = (one for one in seen.frame.findings if one.kind in (LIMIT, UNCERTAINTY) and one.detail != OMITTED)
+    return {one.subjects[0]: one for one in said if one.subjects}
 
 
 def _limit_words(finding: Finding) -> str:
@@ -186,8 +197,10 @@ def _words(text: str, meaning: Meaning, node: int | None, seen: SeenFrame) -> Wo
     """A line of text at a node; at no place without one."""
     if node is None:
         return Words(text, None, meaning)
-    at, deformed = seen.space.X[node].tolist(), seen.deformed if seen.solved else None
-    if deformed is None:
+    at, deformed = seen.space.X[node].tolist(), seen.deformed
+    if deformed is None or not seen.solved:
         return Words(text, at, meaning)
     moved = deformed[node].tolist()
-    return Words(text, [*at, *[0.0] * (len(moved) - len(at))], meaning, moved)
+    if len(moved) > len(at):
+        at += [0.0] * (len(moved) - len(at))
+    return Words(text, at, meaning, moved)

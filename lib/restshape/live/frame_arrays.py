@@ -15,15 +15,16 @@ ALIGNED = 8
 """Arrays begin at multiples of so many bytes."""
 FLOAT = np.dtype("<f4")
 SHORT, LONG = np.dtype("<u2"), np.dtype("<u4")
-TYPES = {FLOAT.str: "f4", SHORT.str: "u2", LONG.str: "u4"}
-"""What the header calls the types in which arrays travel, by NumPy's names of them; others are converted."""
-BYTES = {"f4": 4, "u2": 2, "u4": 4}
+TYPES = {one.char: ("f4", 4) for one in map(np.dtype, "efdg")} | {SHORT.char: ("u2", 2)}
+"""What the header calls the types in which arrays travel, and how long their numbers are, by NumPy's letters."""
+INTEGERS = "u4", 4
+"""The same of all others, which are converted."""
 Kind = Literal["surface", "lines", "dots"]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class PicturePart:
-    """A part of the picture of a frame, as `Part` of `page/src/protocol.ts`.
+    """A part of the picture of a frame, as `Part` of `page/src/protocol.ts`; nobody changes one.
 
     Args:
         name: of the part.
@@ -67,10 +68,10 @@ class MessageBody:
 
     def add(self, values: AnyArray) -> dict[str, object]:
         """Adds an array; where it is, as the header says it. It must not be written to before `packed`."""
-        kind = TYPES.get(values.dtype.str) or ("f4" if values.dtype.kind == "f" else "u4")
+        kind, length = TYPES.get(values.dtype.char, INTEGERS)
         place = {"at": self.size, "type": kind, "shape": values.shape}
         self._arrays.append(values)
-        self.size += -(-values.size * BYTES[kind] // ALIGNED) * ALIGNED
+        self.size += -(-values.size * length // ALIGNED) * ALIGNED
         return place
 
     def packed(self) -> bytes:

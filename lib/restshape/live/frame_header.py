@@ -31,8 +31,7 @@ def _errors_in(row: RowValues, columns: Iterable[tuple[str, str]]) -> dict[str, 
     """The numbers of columns that have one, by the quantities that they are of."""
     found = {}
     for name, column in columns:
-        error = row.get(column)
-        if isinstance(error, float) and not isnan(error):
+        if column in row and isinstance(error := row[column], float) and not isnan(error):
             found[name] = float(error)
     return found
 
@@ -71,25 +70,24 @@ class FrameHeaders:
         self._errors: list[tuple[str, str]] = []
         self._limits_columns = False
 
-    def __call__(
-        self, number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None
-    ) -> dict[str, object]:
+    def __call__(self, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
         """The header of a frame, but its parts and marks, and the message that it answers.
 
         Args:
-            number: of the frame.
             row: of the frame; scene: with the values that hold in it.
             hand: what it holds, and where it is; None: it holds nothing.
         """
         if scene is not self._scene:
             self._bind(scene)
         limits = limits_of_frame(row, self._limited) if self._limited else {}
+        if self._limits_columns:
+            limits |= limits_of_columns(row, scene)
         return {
             "type": "frame",
-            "number": number,
+            "number": row["index"],
             "columns": columns_of(row),
             "errors": _errors_in(row, self._errors),
-            "limits": limits | limits_of_columns(row, scene) if self._limits_columns else limits,
+            "limits": limits,
             "held": hand,
         }
 
@@ -100,6 +98,6 @@ class FrameHeaders:
         self._limits_columns = bool(application_of(scene).shown_columns(scene))
 
 
-def header_of(number: int, row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
+def header_of(row: RowValues, scene: Scene, hand: Mapping[str, object] | None) -> dict[str, object]:
     """The header of one frame; as of `FrameHeaders`."""
-    return FrameHeaders()(number, row, scene, hand)
+    return FrameHeaders()(row, scene, hand)

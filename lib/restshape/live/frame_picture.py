@@ -12,7 +12,7 @@ from restshape.errors import UserError
 from restshape.live.body_parts import BodyParts, pin_part, things_in_space
 from restshape.live.frame_arrays import PicturePart
 from restshape.live.grab_parts import OutlineParts, Thing, things_of
-from restshape.live.shape_surface import ShapeSurface
+from restshape.live.shape_surface import Colours, ShapeSurface, mode_of
 from restshape.live.shown_colours import FieldChoice, colours_of, field_choice
 from restshape.scene.bodies import bodies_of, pins_of
 
@@ -29,7 +29,7 @@ class FramePicture:
 
     Attributes:
         choice: the fields that may be shown; field: name of the one that gives the colours.
-        in_space: the shape is drawn in space.
+        mode: number of the mode that is drawn where there are some; in_space: the shape is drawn in space.
     """
 
     def __init__(self, sim: Simulation) -> None:
@@ -37,7 +37,9 @@ class FramePicture:
         self._surface, self._outline, self._bodies = ShapeSurface(), OutlineParts(), BodyParts()
         at_nodes, in_cells = sim.replay.analysis.fields()
         self.choice: FieldChoice = field_choice(sim.scene, at_nodes, in_cells)
-        self.field = self.choice.first
+        self._colours: Colours | None = None
+        self._looked: tuple[object, bool] = (None, False)
+        self._choose(self.choice.first)
         deep = any(values.ndim == 2 and values.shape[1] == 3 for values in at_nodes.values())
         self.in_space = deep or sim.replay.solver.space.X.shape[1] == 3
 
@@ -54,17 +56,24 @@ class FramePicture:
         if field not in self.choice.looks:
             known = ", ".join(self.choice.looks) or "none, for there are no fields"
             raise UserError(f"there is no field {field!r}", do=f"use one of: {known}")
-        self.field = field
+        self._choose(field)
+
+    def _choose(self, field: str) -> None:
+        self.field, self.mode = field, mode_of(field)
 
     def parts(self) -> list[PicturePart]:
         """The parts of the last frame."""
         replay = self._sim.replay
-        space, (at_nodes, in_cells) = replay.solver.space, self._sim.frame.fields_apart
-        colours = colours_of(self.field, at_nodes, in_cells)
-        found = [self._surface(space, at_nodes, in_cells, colours)]
-        found += self._outline(replay.session.outline)
-        scene = replay.session.scene
-        if bodies_of(scene) or pins_of(scene):
+        session, space = replay.session, replay.solver.space
+        at_nodes, in_cells = self._sim.frame.fields_apart
+        colours = self._colours
+        if colours is None or colours.name != self.field or colours.in_cells or in_cells or self.field not in at_nodes:
+            colours = self._colours = colours_of(self.field, at_nodes, in_cells)
+        found = [self._surface(space, at_nodes, in_cells, colours), *self._outline(session.outline)]
+        scene = session.scene
+        if self._looked[0] is not scene:
+            self._looked = scene, bool(bodies_of(scene) or pins_of(scene))
+        if self._looked[1]:
             places = _deformed(space.X, at_nodes.get("displacement"))
             found += self._bodies(scene, places)
             pins = pin_part(scene, space, places)

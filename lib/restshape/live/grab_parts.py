@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.arrays import AnyArray, Complexes, Indices, Reals
 from restshape.errors import UserError
-from restshape.live.frame_arrays import PicturePart, same_bytes, sent_indices, sent_points
+from restshape.live.frame_arrays import PicturePart, sent_indices, sent_points
 from restshape.shape.curves import arc_fraction
 from restshape.shape.outline import Outline
 
@@ -70,7 +71,7 @@ class OutlineCurves:
     def of(cls, outline: Outline, parameters: Sequence[Reals]) -> OutlineCurves:
         """Those at parameters (n,) of each edge, from 0 to 1."""
         first = np.concatenate([[0], np.cumsum([len(s) for s in parameters])]).astype(np.int32)
-        ends = np.repeat(outline.layout.ends, np.diff(first), axis=0).T
+        ends = np.ascontiguousarray(np.repeat(outline.layout.ends, np.diff(first), axis=0).T)
         share, curved = np.zeros(first[-1], dtype=complex), []
         for edge, s in enumerate(parameters):
             here = slice(int(first[edge]), int(first[edge + 1]))
@@ -83,14 +84,12 @@ class OutlineCurves:
                 share[here] = arc_fraction(float(outline.bulges[edge]), s)
         return cls(first, ends, share, curved)
 
-    def points(self, controls: Reals) -> Reals:
-        """The points (m, 2) of control points (k, 2)."""
-        known = np.ascontiguousarray(controls).view(complex)[:, 0]
-        start = known[self.ends[0]]
-        found = (start + self.share * (known[self.ends[1]] - start)).view(float).reshape(-1, 2)
+    def sent(self, controls: Reals, vertices: int) -> tuple[AnyArray, AnyArray]:
+        """The points (m, 2) of control points (k, 2), and the first of these, as they travel."""
+        lines, dots = _kernels.sent_outline(controls, self.ends, self.share, vertices)
         for here, own, weights in self.curved:
-            found[here] = weights @ controls[own]
-        return found
+            lines[here] = weights @ controls[own]
+        return lines, dots
 
 
 class OutlineParts:
@@ -113,10 +112,10 @@ class OutlineParts:
         if outline.topology != self._topology or self._bent(outline):
             self._cut(outline)
         self._outline = outline
-        lines = sent_points(self._curves.points(outline.points))
         edges, vertices, controls = self._parts
+        lines, dots = self._curves.sent(outline.points, len(outline.vertex_names))
         edges = PicturePart("outline", "lines", "outline", {**edges.arrays, "points": lines}, edges.said)
-        vertices = _moved(vertices, sent_points(outline.points[: len(outline.vertex_names)]))
+        vertices = _moved(vertices, dots)
         if self._controls or not controls.arrays:
             controls = _moved(controls, sent_points(outline.points[self._controls]))
         self._parts = [edges, vertices, controls]
@@ -147,7 +146,7 @@ class OutlineParts:
 def _moved(part: PicturePart, points: AnyArray) -> PicturePart:
     """Dots at other places; the same ones where they are the same."""
     before = part.arrays.get("points")
-    if before is not None and same_bytes(before, points):
+    if before is not None and before.shape == points.shape and before.tobytes() == points.tobytes():
         return part
     return PicturePart(part.name, part.kind, part.role, {"points": points}, part.said)
 

@@ -49,8 +49,9 @@ class GrowingScript:
     def add(self, line: str) -> None:
         """Adds an event; errors as of `begin`."""
         self.count += 1
-        self._waiting.append(line)
-        self.write()
+        if self._path is not None:
+            self._waiting.append(line)
+            self.write()
 
     def write(self, remedy: str = "make room on the disk") -> None:
         """Writes what could not be written before; errors as of `begin`."""

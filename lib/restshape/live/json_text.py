@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from json.encoder import encode_basestring_ascii
 
 import numpy as np
 from pydantic_core import to_json
+
+json_text = encode_basestring_ascii
+"""The JSON of a text."""
 
 
 def json_bytes(message: Mapping[str, object]) -> bytes:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
@@ -19,10 +19,11 @@ def kept(simulation: Simulation, make: Callable[[], T]) -> T:
     Args:
         simulation: whose marks are shown; make: a class, or a function, of the module that shows them.
     """
-    own = simulation.shown
-    if (found := own.get(make)) is None:
+    own: dict[Any, Any] = simulation.shown
+    found: T | None = own.get(make)
+    if found is None:
         found = own[make] = make()
-    return cast("T", found)
+    return found
 
 
 Marks = Callable[["Simulation"], "list[Mark]"]
@@ -40,7 +41,8 @@ def of_answers(marks: Marks) -> Marks:
     def found(simulation: Simulation) -> list[Mark]:
         last = kept(simulation, _LastMarks)
         if not simulation.frame.row["refused"]:
-            last.marks[marks] = marks(simulation)
+            now = last.marks[marks] = marks(simulation)
+            return now
         return last.marks.get(marks, [])
 
     return found

@@ -29,11 +29,7 @@ MOST_PIECES = os.sysconf("SC_IOV_MAX")
 Message = str | bytes
 """A text, or the bytes of a frame."""
 Buffer = bytes | bytearray | memoryview
-
-
-def _bytes(piece: Buffer) -> int:
-    """How many bytes a piece has."""
-    return piece.nbytes if isinstance(piece, memoryview) else len(piece)
+"""A view is one of bytes."""
 
 
 class LinkClosed(EOFError):
@@ -106,7 +102,7 @@ class Link:
 
     def __init__(self, end: socket.socket) -> None:
         self._end, self._taken = end, Taken()
-        self._before: list[Buffer] = []
+        self._before: list[bytes] = []
         self._room = memoryview(bytearray(CHUNK))
         end.setblocking(False)
 
@@ -121,15 +117,16 @@ class Link:
         Raises:
             LinkClosed: the other side has ended, and all that it sent was taken.
         """
-        closed: LinkClosed | None = None
+        taken = self._taken
         try:
             while self._read() == CHUNK:
                 pass
-        except LinkClosed as error:
-            closed = error
-        found, self._taken.whole = self._taken.whole, []
-        if closed and not found:
-            raise closed
+        except LinkClosed:
+            if not taken.whole:
+                raise
+        if not taken.whole:
+            return []
+        found, taken.whole = taken.whole, []
         return found
 
     def receive(self, seconds: float | None = None) -> Message | None:
@@ -184,16 +181,13 @@ class Link:
 
     def _send(self, kind: int, pieces: Sequence[Buffer]) -> None:
         """Sends pieces; mostly the system takes all at once, as they are."""
-        size = sum(map(_bytes, pieces))
-        whole = [*self._before, HEAD.pack(size, kind), *pieces]
-        size += HEAD.size
+        whole = [*self._before, HEAD.pack(sum(map(len, pieces)), kind), *pieces]
         if self._before:
-            size += sum(map(_bytes, self._before))
             self._before = []
-        count = self._sent(whole[:MOST_PIECES])
-        if count == size:
+        count = self._sent(whole if len(whole) <= MOST_PIECES else whole[:MOST_PIECES])
+        if count == sum(map(len, whole)):
             return
-        left = [memoryview(one).cast("B") for one in whole if _bytes(one)]
+        left = [memoryview(one) for one in whole if one]
         while left:
             while left and count >= len(left[0]):
                 count -= len(left.pop(0))

@@ -136,6 +136,10 @@ class LiveSimulation:
         Raises:
             UserError: it is not valid, or cannot come now: nothing has happened.
         """
+        to = event.get("to")
+        if len(event) == 2 and event.get("do") == "drag" and isinstance(to, list):
+            self.step = CurrentEvent(event, self.sim.moving(to), 0, [])
+            return
         do, keys = str(event.get("do", "")), {key: value for key, value in event.items() if key != "do"}
         self.step = CurrentEvent(event, self.sim.each(do, **keys), 0, [])
 
@@ -172,7 +176,8 @@ class LiveSimulation:
 
     def finish(self) -> None:
         """Ends the event if the frame was its last one."""
-        if self.step is not None and self.step.count >= self.sim.written.last_frames:
+        step = self.step
+        if step is not None and step.count >= self.sim.written.last_frames:
             self.go_on()
 
     def stop(self) -> bool:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
-
-import numpy as np
 
 from restshape.interface.plain import plain
 from restshape.live.frame_arrays import MessageBody
@@ -63,9 +61,8 @@ def _places(mark: Lines | Arrows, body: MessageBody) -> dict[str, object]:
     return places if mark.moved is None else places | {"moved": body.add(mark.moved)}
 
 
-def _numbers(values: object) -> list[float]:
-    found: list[float] = np.asarray(values, dtype=float).tolist()
-    return found
+def _numbers(values: Iterable[float]) -> list[float]:
+    return [*map(float, values)]
 
 
 _SAID: dict[type, Callable[[Any, MessageBody], dict[str, object]]] = {

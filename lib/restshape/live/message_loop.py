@@ -140,8 +140,7 @@ class MessageLoop(ABC):
 
     def send(self, moment: Moment) -> None:
         """Shows a frame."""
-        header = {**moment.header, "id": self._answered}
-        self.link.send_binary(self._encoder(header, moment.parts, moment.marks))
+        self.link.send_binary(self._encoder(moment.header, moment.parts, moment.marks, self._answered))
 
     def send_all_again(self) -> None:
         """The next frame has all parts."""

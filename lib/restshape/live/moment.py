@@ -17,9 +17,9 @@ HEADER_BYTES = 8_192
 """Of a frame besides its arrays, about."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class Moment:
-    """A frame.
+    """A frame; nobody changes one that was sent.
 
     Args:
         header: of its message, without `id`; parts: of its picture; marks: at the hand.

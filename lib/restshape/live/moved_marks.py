@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T", bound=Any)
 ALONG, AT_A_PLACE = (Lines, Arrows), (Words, Tone)
+MOVED = ALONG + AT_A_PLACE
 STAYS = ("goal",)
 """Meanings of marks that lie where the deformed shape should come to be."""
 SPACE = 3
@@ -44,8 +45,10 @@ class MovedMarks:
         Args:
             marks: of the application; parts: of the picture, of which the shape moves marks.
         """
+        if not any(map(_left, marks)):
+            return marks
         shape = next((one for one in parts if one.role == "shape" and "displacement" in one.arrays), None)
-        if shape is None or not any(map(_left, marks)):
+        if shape is None:
             return marks
         now = shape.arrays["points"], shape.arrays["displacement"]
         shift = shape.said.get("shift")
@@ -70,11 +73,12 @@ class MovedMarks:
 
 def _left(mark: Mark) -> bool:
     """Whether a mark has points, and leaves it to the shape how they move."""
-    if not isinstance(mark, ALONG + AT_A_PLACE) or mark.moved is not None:
+    kind = type(mark)
+    if kind not in MOVED or mark.moved is not None:  # type: ignore[union-attr]
         return False
-    if isinstance(mark, ALONG) and mark.nodes is not None:
+    if kind in ALONG and mark.nodes is not None:  # type: ignore[union-attr]
         return False
-    return isinstance(mark, Tone) or mark.meaning not in STAYS
+    return kind is Tone or mark.meaning not in STAYS  # type: ignore[union-attr]
 
 
 def _places(mark: Mark) -> Sequence[Sequence[float]]:

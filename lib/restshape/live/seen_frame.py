@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +18,7 @@ IN_PLANE = (3, 6)
 """Nodes of the cells of meshes in the plane."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False, slots=True)
 class SeenFrame:
     """The last frame of a simulation of a shape.
 
@@ -39,9 +39,10 @@ class SeenFrame:
     def of(cls, simulation: Simulation) -> SeenFrame:
         """The last frame of a simulation."""
         frame, replay = simulation.frame, simulation.replay
+        solver, at_nodes = replay.solver, frame.fields_apart[0]
         # Shapes that have marks by their nodes lie in the plane: other sessions have marks of their own.
-        space = cast("PlaneSpace", replay.solver.space)
-        return cls(frame, replay.session.scene, space, frame.fields.get("displacement"), replay.solver.known)
+        space: PlaneSpace = solver.space  # type: ignore[assignment]
+        return cls(frame, replay.session.scene, space, at_nodes.get("displacement"), solver.known)
 
     @property
     def all_nodes_drawn(self) -> bool:

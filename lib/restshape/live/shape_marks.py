@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,8 +17,6 @@ from restshape.report.goal_curves import goals_in
 
 ROUNDED = 1e-5
 """How far a place in a text may be from its node, in parts of the largest coordinate."""
-EXPONENTS = re.compile(r"(?<=\":)[^,}]+")
-"""Numbers in the text of singular places."""
 
 if TYPE_CHECKING:
     from restshape.arrays import Indices, Reals
@@ -46,19 +43,20 @@ class ShapeMarks:
 
     def __call__(self, seen: SeenFrame) -> list[Mark]:
         """The marks of a frame."""
-        return [*self.conditions(seen), *self._goal_curves(seen), *self._singular(seen), *self.extremes(seen)]
+        goals = self._goals[1] if self._goals[0] is seen.scene else self._goal_curves(seen.scene)
+        return [*self.conditions(seen), *goals, *self._singular(seen), *self.extremes(seen)]
 
-    def _goal_curves(self, seen: SeenFrame) -> list[Mark]:
+    def _goal_curves(self, scene: Scene) -> list[Mark]:
         """The curves that the deformed shape should reach."""
-        if self._goals[0] is not seen.scene:
-            found = [Lines(f"goal {name}", curve, meaning="goal") for name, curve in goals_in(seen.scene)]
-            self._goals = seen.scene, [*found]
+        found = [Lines(f"goal {name}", curve, meaning="goal") for name, curve in goals_in(scene)]
+        self._goals = scene, [*found]
         return self._goals[1]
 
     def _singular(self, seen: SeenFrame) -> list[Mark]:
         """Where quantities have no limit under refinement."""
-        # Exponents, which differ from frame to frame, are not said.
-        said = EXPONENTS.split(str(seen.frame.row.get(SINGULAR_PLACES, "")))
+        # Exponents, which differ from frame to frame, are not said: names alone stand in quotes.
+        found, _, places = str(seen.frame.row.get(SINGULAR_PLACES, "")).partition("}")
+        said = [places, *found.split('"')[1::2]]
         if said != self._places[0]:
             self._places = said, next(iter(singular_marks(seen.frame.row)), None)
         mark = self._places[1]

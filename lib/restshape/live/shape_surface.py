@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
+from math import inf, isfinite
 from typing import Protocol
 
 import numpy as np
@@ -123,14 +123,20 @@ class ShapeSurface:
         It is the usual one of a drag; so it is the same as elsewhere, in less time.
         """
         points, displacement, value, low, high = _kernels.sent_fields(X, moved, values)
-        self._known["points"], self._known["value"] = points, value
-        self._shifted = ShiftedPoints()
-        displacement, _ = self._shifted(moved, displacement)
-        shown = self._triangles
-        arrays = {"points": points, "cells": shown.corners, "border": shown.border}
-        arrays |= {"displacement": displacement, "value": value}
-        said: dict[str, object] = {} if shown.parts == 1 else {"element": shown.parts}
-        said |= {"field": field, "range": [low, high] if isfinite(low) else None}
+        known, shown = self._known, self._triangles
+        known["points"], known["value"] = points, value
+        # The solver makes new fields in each frame.
+        self._shifted.begin(moved, displacement)
+        arrays = {
+            "points": points,
+            "cells": shown.corners,
+            "border": shown.border,
+            "displacement": displacement,
+            "value": value,
+        }
+        said: dict[str, object] = {"field": field, "range": [low, high] if low < inf else None}
+        if shown.cell_size != 3:
+            said["element"] = shown.parts
         return PicturePart("shape", "surface", "shape", arrays, said)
 
     def _displaced(self, values: Reals) -> tuple[AnyArray, list[float] | None]:

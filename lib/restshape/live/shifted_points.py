@@ -38,8 +38,16 @@ class ShiftedPoints:
             way = _way(before, points)
             if way is not None:
                 return self._sent, [*way.tolist(), *[0.0] * (SPACE - len(way))]
-        self._from, self._sent = points.copy(), found
+        self.begin(points.copy(), found)
         return found, None
+
+    def begin(self, points: Reals, sent: AnyArray) -> None:
+        """Points of a frame travel as such, whatever those before were.
+
+        Args:
+            points: (n, d) [m], which nobody changes any more; sent: the same as they travel.
+        """
+        self._from, self._sent = points, sent
 
 
 def shifted(points: AnyArray, shift: object) -> AnyArray:

@@ -165,4 +165,4 @@ Mark = Lines | Arrows | Words | Offer | Chart | Tone
 
 def shown_with(marks: Sequence[Mark], mode: int) -> list[Mark]:
     """The marks that are shown where a mode is drawn, by its number."""
-    return [one for one in marks if not isinstance(one, Lines) or one.mode in (0, mode)]
+    return [one for one in marks if type(one) is not Lines or not one.mode or one.mode == mode]

@@ -1,9 +1,11 @@
 """Numbers with their units and SI prefixes, alike on the console and in pictures."""
 
 from collections.abc import Sequence
-from math import ceil, floor, isfinite, log10
+from math import ceil, isfinite, log10
 
-_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_LETTERS = {-4: "p", -3: "n", -2: "µ", -1: "m", 0: "", 1: "k", 2: "M", 3: "G", 4: "T"}
+_PREFIXES = {power: (10.0 ** (-3 * power), letter) for power, letter in _LETTERS.items()}
+"""The factor and the letter of each power of 1000."""
 UNPREFIXED = ("1", "m²", "m^2", "m³", "m^3", "kg", "K", "deg", "°", "cent")
 """Beginnings of units whose prefix would be read for another one, or is not used."""
 
@@ -17,8 +19,9 @@ def prefix(size: float) -> tuple[float, str]:
     """The factor and SI prefix that bring a number of this size between 1 and 1000."""
     if not isfinite(size) or size == 0:
         return 1.0, ""
-    power = min(max(3 * floor(log10(abs(float(f"{size:.5g}"))) / 3 + 1e-12), -12), 12)
-    return 10.0**-power, _PREFIXES[power]
+    # The exponent of the number as it is rounded for people.
+    exponent = int(f"{size:.4e}".partition("e")[2])
+    return _PREFIXES[min(max(exponent // 3, -4), 4)]
 
 
 def scaled_unit(size: float, unit: str) -> tuple[float, str]:

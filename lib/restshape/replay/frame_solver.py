@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from time import process_time
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -44,7 +44,8 @@ class FrameSolver:
     @property
     def space(self) -> Space:
         """Where the answer lives; that of the frame's mesh where there is none."""
-        return cast("Space", self.analysis.space if self.known else self.moving.field_mesh)
+        found: Space = self.analysis.space if self.known else self.moving.field_mesh  # type: ignore[assignment]
+        return found
 
     def __call__(self, edit: ScriptFrame, mesh_update: MeshUpdate) -> LinearReport:
         """What the solve of a frame did.

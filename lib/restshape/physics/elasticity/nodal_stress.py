@@ -45,6 +45,7 @@ class NodalStress:
         self._found: dict[str, np.ndarray | None] = {}
         # Of the first state nobody knows what else will be asked for.
         self._asked, self._expected = set[str](), {NODAL}
+        self._named: tuple[object, object, list[tuple[str, str]]] = (None, None, [])
         # Whether quantities look at nodal stresses at this state, and did at the last one.
         self._looks = self._looked = False
 
@@ -135,10 +136,10 @@ class NodalStress:
             quantities: of the scene.
             wanted: some of `REQUESTED`.
         """
-        stresses = [name for key in wanted for name in REQUESTED[key]]
-        named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress), *stresses))
+        if quantities is not self._named[0] or wanted is not self._named[1]:
+            self._named = quantities, wanted, _fields_of(quantities, wanted)
         self._follow(x)
-        found = {field_name(name): made(self._result(name)) for name in named}
+        found = {field: made(self._result(name)) for field, name in self._named[2]}
         if STRAIN in wanted:
             strain = self.recovery(np.ascontiguousarray(self.stresses.strain(x, self.recovery.points)))
             found |= {f"{STRAIN}_{name}": strain[:, k] for k, name in enumerate(STRAINS)}
@@ -146,6 +147,13 @@ class NodalStress:
             return found, {}
         rows = self.recovery.cell_rows()
         return {}, {f"{name}{IN_CELLS}": values[rows] for name, values in found.items()}
+
+
+def _fields_of(quantities: Mapping[str, Quantity], wanted: Collection[str]) -> list[tuple[str, str]]:
+    """The fields of recordings with the components of stress in them; as of `NodalStress.fields`."""
+    stresses = [name for key in wanted for name in REQUESTED[key]]
+    named = dict.fromkeys((PICTURED, *(q.stress for q in quantities.values() if q.stress), *stresses))
+    return [(field_name(name), name) for name in named]
 
 
 def field_name(component: str, jumps: bool = False) -> str:
