@@ -136,6 +136,21 @@ def test_frames_that_nobody_asks_for_are_computed_all_the_same(bracket):
     assert [frame.quantities for frame in restshape.replay(bracket, script)][-1] == quantities
 
 
+@pytest.mark.parametrize("to", [[0.1, 0.062], ["10 cm", 0.062]])
+def test_a_hand_that_is_moving_gives_the_frame_of_one_that_has_moved(bracket, to):
+    with restshape.open(bracket) as sim, restshape.open(bracket) as other:
+        with sim.press("window") as hand, other.press("window") as second:
+            hand.to(0.095, 0.062), second.to(0.095, 0.062)
+            (frame,) = sim.moving(to)
+            assert frame is sim.frame and frame.quantities == second.to(*to).quantities
+            assert sim.written.last_frames == 1
+            # Nobody asks for this one; it is computed before the hand lets go.
+            sim.moving([0.11, 0.062])
+            wanted = second.to(0.11, 0.062).quantities
+        assert sim.frame.index == other.frame.index == 5
+        assert sim.script.text == other.script.text and wanted["stress_at_window"] > 0
+
+
 def test_two_simulations_and_an_analysis_on_demand(bracket):
     with restshape.open(bracket) as sim, restshape.open(bracket, analysis="on demand") as other:
         with sim.press("window") as hand, other.press("window") as second:

@@ -114,9 +114,10 @@ py::tuple sent_fields(const Converted& points, const Converted& displacement, co
 using EdgeEnds = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 using EdgeShares = py::array_t<std::complex<double>, py::array::c_style | py::array::forcecast>;
 
-py::tuple sent_outline(const Converted& controls, const EdgeEnds& ends, const EdgeShares& shares, py::ssize_t vertices) {
+py::tuple sent_outline(const Converted& controls, const EdgeEnds& ends, const EdgeShares& shares,
+                       py::ssize_t vertices) {
     const py::ssize_t count = controls.shape(0), m = shares.size();
-    if (controls.ndim() != 2 || controls.shape(1) != 2 || ends.size() != 2 * m || vertices > count)
+    if (controls.ndim() != 2 || controls.shape(1) != 2 || ends.size() != 2 * m || vertices < 0 || vertices > count)
         throw std::invalid_argument("control points, ends and shares do not belong together");
     Floats lines(std::vector<py::ssize_t>{m, 2}), dots(std::vector<py::ssize_t>{vertices, 2});
     const double* at = controls.data();
@@ -145,8 +146,8 @@ void bind_messages(py::module_& m) {
         "sent_fields", &sent_fields, "points"_a, "displacement"_a, "values"_a,
         "Copies in 4 bytes a number, with 0 for displacements that are not finite; and the least and the largest value "
         "that is, infinite without any.");
-    m.def(
-        "sent_outline", &sent_outline, "controls"_a, "ends"_a, "shares"_a, "vertices"_a,
-        "Points (m, 2) on the edges of control points (k, 2), in 4 bytes a number: of the way between two `ends` (2, m) "
-        "the complex `shares` (m,), turned about the first; and so many first control points, which are vertices.");
+    m.def("sent_outline", &sent_outline, "controls"_a, "ends"_a, "shares"_a, "vertices"_a,
+          "Points (m, 2) on the edges of control points (k, 2), in 4 bytes a number: of the way between two `ends` (2, "
+          "m) "
+          "the complex `shares` (m,), turned about the first; and so many first control points, which are vertices.");
 }

@@ -14,7 +14,6 @@ from time import monotonic
 from typing import TYPE_CHECKING, cast
 
 from restshape.analysis.row_values import number as number_in
-from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.live import messages as page
 from restshape.live.frame_arrays import MessageBody
@@ -59,7 +58,6 @@ class Worker(MessageLoop):
         self._marks, self._moved_marks = True, MovedMarks()
         self._due: float | None = None
         self._gestures = Gestures(live)
-        self._seen = live.scene, application_of(live.scene)
         self.handlers |= {
             page.EventMessage: self._event,
             page.ShowMessage: self._show,
@@ -228,7 +226,7 @@ class Worker(MessageLoop):
         """Lets time go on while nothing else happens, or stand still."""
         if message.on and self.player is not None:
             raise UserError("a script is played, and time goes on with it", do="take the script over first")
-        if message.on and not application_of(self.live.scene).transient(self.live.scene):
+        if message.on and not self.live.application.transient(self.live.scene):
             raise UserError("nothing in this scene goes on in time", do="use a scene with dynamics, or steps in time")
         self._due = monotonic() if message.on else None
         self.send(self.moment())
@@ -287,7 +285,7 @@ class Worker(MessageLoop):
         self.done(message)
 
     def _strike(self, message: page.StrikeMessage) -> None:
-        tone = application_of(self.live.scene).struck(self.live.sim, message.at)
+        tone = self.live.application.struck(self.live.sim, message.at)
         if not isinstance(tone, Tone):
             raise UserError("what is simulated has no tone", do="strike a shape whose modes are computed")
         (moved,) = MovedMarks()([tone], self.live.picture.parts())
@@ -358,8 +356,6 @@ class Worker(MessageLoop):
             header["records"] = True
         marks: Sequence[Mark] = ()
         if self._marks:
-            if scene is not self._seen[0]:
-                self._seen = scene, application_of(scene)
-            marks = cast("Sequence[Mark]", self._seen[1].marked(sim))
+            marks = cast("Sequence[Mark]", live.application.marked(sim))
         parts = picture.parts()
         return Moment(header, parts, self._moved_marks(shown_with(marks, picture.mode), parts), number_in(row, "t"))

@@ -85,6 +85,7 @@ class LiveSimulation:
         predict: how frames of drags are predicted.
 
     Attributes:
+        application: of the scene.
         sim: what carries out the events; picture: of its last frame.
         hand: what it holds, "on", and where it is, "at"; None: it holds nothing.
         step: the event that is being carried out; None: there is none.
@@ -98,6 +99,7 @@ class LiveSimulation:
 
     def __init__(self, scene: Scene, manner: SolvedBy = USUAL, predict: Predict = "none") -> None:
         self._scene, self._manner = scene, manner
+        self.application = application_of(scene)
         self.predict = predict
         self.hand: dict[str, object] | None = None
         self.step: CurrentEvent | None = None
@@ -242,7 +244,7 @@ class LiveSimulation:
             self.again(json.loads(line))
             if number + LATE >= len(lines):
                 # A frame that was refused shows the marks of the answer before.
-                application_of(self.scene).marked(sim)
+                self.application.marked(sim)
         self.lines = []
         self.picture.follow(self.sim)
 

@@ -114,7 +114,7 @@ class MarksBeside:
 
         def moment() -> Moment:
             frame = live.sim.frame
-            marks = application_of(live.scene).marked(live.sim)
+            marks = live.application.marked(live.sim)
             return Moment({"number": frame.index}, (), marks, float(str(frame.row["t"])))  # type: ignore[arg-type]
 
         return ScriptPlayer(live, events, moment)
