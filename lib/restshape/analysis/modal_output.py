@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import partial
+from typing import cast
 
 import numpy as np
 
@@ -70,13 +71,7 @@ def _function(name: str, quantity: Quantity, space: Space, settings: ModalSettin
         _refuse_beyond(settings.modes, f"quantities.{name}.frequency", frequency)
         rank = frequency - 1
         return lambda frequencies, ids: frequencies[rank] if rank < len(frequencies) else np.nan
-    if mode is not None:
-        return partial(frequency_of_mode, mode)
-    raise UserError(
-        f"modes have no {quantity.kind}: their size means nothing",
-        f"quantities.{name}.{quantity.kind}",
-        'ask for frequency = 1, mode = 1, cents = "C5", ratio = 2 or area = true',
-    )
+    return partial(frequency_of_mode, cast(int, mode))
 
 
 def _refuse_beyond(modes: int, where: str, wanted: int) -> None:

@@ -19,6 +19,7 @@ from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
+from restshape.mesh.entity_area import signed_loops
 from restshape.mesh.sizing import refuse_endless
 from restshape.outputs.si_numbers import scaled_unit, si, unit_of
 from restshape.replay.rounding import cleared
@@ -42,6 +43,8 @@ from restshape.shape.script_frame import ScriptFrame
 
 LISTED = 12
 """Gaps, and curves, that are printed one by one."""
+OF_CELLS = ("area", "energy", "drape_coefficient")
+"""Kinds of quantities that are of what is inside of their entity."""
 VALUES = ("min", "max", "reference")
 """Keys of a quantity that have its unit."""
 
@@ -176,7 +179,8 @@ def starting_outline(scene: Scene) -> Outline:
     """The shape before any edit, with every name that the scene uses found in it.
 
     Raises:
-        UserError: the outline is open, crosses itself, has an edge without length, or lacks a name.
+        UserError: the outline is open, crosses itself, has an edge without length, lacks a name, or has an
+            entity without an inside where a quantity wants one.
     """
     if scene.mesh.file:
         from restshape.mesh.importer import read_mesh
@@ -189,6 +193,10 @@ def starting_outline(scene: Scene) -> Outline:
             outline.entity(name)
         except UserError as error:
             raise scene.located(UserError(error.what, key, error.do)) from error
+    for name, quantity in scene.quantities.items():
+        if quantity.kind in OF_CELLS and quantity.at and not signed_loops(outline, quantity.at):
+            what = f"{quantity.at!r} holds no cell of the mesh"
+            raise scene.located(UserError(what, f"quantities.{name}.at", "name a region"))
     return outline
 
 

@@ -73,12 +73,10 @@ def _function(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable
     if quantity.area:
         return area_at(mesh, name, quantity)
     if quantity.energy:
-        return _energy(problem, name, quantity)
+        return _energy(problem, quantity.energy)
     if quantity.drape_coefficient:
         return _drape_coefficient(problem, name, quantity)
     if quantity.folds:
-        if quantity.at is not None:
-            raise UserError("folds are those of all of the cloth", f"quantities.{name}.at", "leave it out")
         shadow = DrapeShadow.of(mesh)
         return lambda x: float(shadow.folds(problem.corners(x)))
     if not (quantity.displacement or quantity.position or quantity.reaction):
@@ -130,7 +128,7 @@ def _displacement(
     return lambda x: reduce(moved(x)[:, column])
 
 
-def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[np.ndarray], float]:
+def _energy(problem: ObservedCloth, kind: str) -> Callable[[np.ndarray], float]:
     kinds = {
         "strain": lambda x: problem.membrane_energy(x) + problem.bending_energy(x),
         "membrane": problem.membrane_energy,
@@ -138,12 +136,4 @@ def _energy(problem: ObservedCloth, name: str, quantity: Quantity) -> Callable[[
         "seams": problem.seam_energy,
         "potential": problem.energy,
     }
-    if quantity.energy not in kinds:
-        raise UserError(
-            f"cloth in static equilibrium has no {quantity.energy!r} energy",
-            f"quantities.{name}.energy",
-            f"use one of: {', '.join(kinds)}",
-        )
-    if quantity.at is not None:
-        raise UserError("energies of cloth are those of all of it", f"quantities.{name}.at", "leave it out")
-    return kinds[quantity.energy]
+    return kinds[kind]

@@ -39,7 +39,7 @@ def formulas_of_bodies(scene: Scene) -> list[tuple[Key, Any]]:
 
 
 def check_cloth(scene: Scene, source: Source) -> None:
-    """Checks bodies, where the cloth starts, and its thickness.
+    """Checks bodies, where the cloth starts, its thickness, and what quantities are taken over.
 
     Raises:
         UserError: the first thing that makes no sense.
@@ -55,6 +55,10 @@ def check_cloth(scene: Scene, source: Source) -> None:
         if isinstance(material.thickness, Expression):
             what = f"the application {scene.app!r} knows one thickness a material only"
             raise source.error(("material", name, "thickness"), what, "give a number")
+    for name, quantity in scene.quantities.items():
+        if quantity.at is not None and (quantity.energy or quantity.folds):
+            what = f"{'energies' if quantity.energy else 'folds'} of cloth are those of all of it"
+            raise source.error(("quantities", name, "at"), what, "leave it out")
 
 
 def _check_panels(scene: Scene, source: Source) -> None:

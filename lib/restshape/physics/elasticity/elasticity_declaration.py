@@ -9,7 +9,7 @@ from restshape.physics.elasticity.elasticity_material_keys import (
     ElasticMaterial,
     VibratingMaterial,
 )
-from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_solids, check_vibrations
+from restshape.physics.elasticity.elasticity_scene_checks import check_motion, check_static_solids, check_vibrations
 from restshape.physics.elasticity.elasticity_solver_plan import solid_plan, vibration_plan
 from restshape.physics.elasticity.goal import Goal, goal_words
 from restshape.physics.elasticity.modal_effect import IN_PLANE_MODES, MODAL, modal_columns
@@ -155,7 +155,7 @@ PLANE_SOLIDS = Physics(
     true_scale=(LARGE,),
     orders=(2, 1),
     order_why="at equal time of a frame their error is smaller than that of first order",
-    check=check_solids,
+    check=check_static_solids,
     check_shape="restshape.physics.elasticity.outline_checks:check_plane_solid",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_solid",
     singular_shape="restshape.physics.elasticity.singular_places:exponents_and_points",
@@ -189,7 +189,7 @@ FREE_VIBRATIONS = Physics(
     pictured={"size_of_mode_1": PictureField("size of mode 1, amplitude arbitrary", "")},
     none_requested="the amplitude of a mode is arbitrary, and so are its stresses and strains",
     check=check_vibrations,
-    check_shape="restshape.physics.elasticity.outline_checks:check_thickness",
+    check_shape="restshape.physics.elasticity.outline_checks:check_vibrating",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_vibrating",
     columns=modal_columns,
 )

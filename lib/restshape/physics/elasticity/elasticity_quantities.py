@@ -69,7 +69,7 @@ class PlaneQuantities:
             return area_at(self.space, name, quantity)
         if quantity.energy:
             cells = cells_at(self.space, name, quantity)
-            energy = self.energy(name, quantity.energy, cells)
+            energy = self.energy(quantity.energy, cells)
             return Differentiable(energy, lambda x: Derivative(self._internal_forces(x, cells), energy=cells))
         if quantity.distance:
             return self._distance(name, quantity)
@@ -98,12 +98,8 @@ class PlaneQuantities:
         column = "xy".index(quantity.displacement)
         return nodal_quantity(self.space, quantity, nodes, [column], column_reduced(reduce, nodes, column))
 
-    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
+    def energy(self, kind: str, cells: np.ndarray | slice) -> Function:
         """The energy of that kind in the cells; a static solid has one kind only."""
-        if kind != "strain":
-            raise UserError(
-                f"a solid in static equilibrium has no {kind!r} energy", f"quantities.{name}.energy", 'use "strain"'
-            )
         return self._strain(cells)
 
     def _strain(self, cells: np.ndarray | slice) -> Function:
@@ -194,11 +190,9 @@ class MotionQuantities(PlaneQuantities):
         of_supports = super().reaction(name, nodes, column)
         return lambda x, motion: of_supports(x) + motion.inertia_and_damping[nodes, column].sum()
 
-    def energy(self, name: str, kind: str, cells: np.ndarray | slice) -> Function:
-        """The energy of that kind in the cells; what edits and new meshes did is known of the whole body only."""
+    def energy(self, kind: str, cells: np.ndarray | slice) -> Function:
+        """The energy of that kind in the cells; what edits and new meshes did is that of the whole body."""
         strain, kinetic = self._strain(cells), self._kinetic(cells)
-        if kind in ("edit", "remesh") and not isinstance(cells, slice):
-            raise UserError(f"{kind!r} energy is that of the whole body", f"quantities.{name}.at", "leave `at` out")
         functions: dict[str, Function] = {
             "strain": strain,
             "kinetic": kinetic,

@@ -22,6 +22,8 @@ ELSEWHERE = {
     ),
 }
 """Quantities that solids, static or in motion, have not: why, and what to do."""
+OF_MODES = ("frequency", "mode", "cents", "ratio", "area")
+"""Kinds of quantities that free vibrations have."""
 COMPONENTS = {
     "solid": ("x", "y", "z"),
     "plate": ("z", "rx", "ry"),
@@ -39,8 +41,21 @@ def elsewhere(quantity: Quantity) -> tuple[str, tuple[str, ...], str] | None:
     return None
 
 
+def check_static_solids(scene: Scene, source: Source) -> None:
+    """Checks a scene of elastic solids in the plane, in static equilibrium.
+
+    Raises:
+        UserError: the first thing that makes no sense.
+    """
+    check_solids(scene, source)
+    for name, quantity in scene.quantities.items():
+        if quantity.energy and quantity.energy != "strain":
+            what = f"a solid in static equilibrium has no {quantity.energy!r} energy"
+            raise source.error(("quantities", name, "energy"), what, 'use "strain"')
+
+
 def check_solids(scene: Scene, source: Source) -> None:
-    """Checks a scene of elastic solids in the plane.
+    """Checks what scenes of elastic solids in the plane have in common, static or in motion.
 
     Raises:
         UserError: the first thing that makes no sense.
@@ -89,6 +104,10 @@ def check_motion(scene: Scene, source: Source) -> None:
     check_solids(scene, source)
     _check_modes(scene, source, 0)
     file = scene.effects.get("ground", {}).get("file")
+    for name, quantity in scene.quantities.items():
+        if quantity.energy in ("edit", "remesh") and quantity.at is not None:
+            what = f"{quantity.energy!r} energy is that of the whole body"
+            raise source.error(("quantities", name, "at"), what, "leave `at` out")
     # A recording names files, and none of them is read.
     if file is not None and not source.recorded:
         key = ("effects", "ground", "file")
@@ -103,6 +122,11 @@ def check_vibrations(scene: Scene, source: Source) -> None:
         UserError: the first thing that makes no sense.
     """
     check_goals(scene, source)
+    for name, quantity in scene.quantities.items():
+        if quantity.kind not in OF_MODES:
+            what = f"modes have no {quantity.kind}: their size means nothing"
+            do = 'ask for frequency = 1, mode = 1, cents = "C5", ratio = 2 or area = true'
+            raise source.error(("quantities", name, quantity.kind), what, do)
     _check_modes(scene, source, 5)
     _check_hanging(scene, source)
     model = scene.effects.get("modal", {}).get("model", "solid")
@@ -112,6 +136,10 @@ def check_vibrations(scene: Scene, source: Source) -> None:
             if axis not in COMPONENTS[model]:
                 what = f"a body of effects.modal.model = {model!r} has no component {axis!r} that could be fixed"
                 raise source.error(("supports", name, "fix"), what, f"fix some of {', '.join(COMPONENTS[model])}")
+    for name, support in scene.supports.items():
+        for axis in (axis for axis, value in support.fix.items() if value != 0.0):
+            what = "what a support prescribes has no meaning for free vibrations"
+            raise source.error(("supports", name, "fix", axis), what, f'fix = ["{axis}"]')
 
 
 def _check_modes(scene: Scene, source: Source, usual: int) -> None:

@@ -9,7 +9,9 @@ from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.body_load import require_density
+from restshape.physics.elasticity.modal_effect import modal_keys
 from restshape.physics.elasticity.rigid_body_modes import check_rigid_body_modes
+from restshape.physics.elasticity.vibrating_materials import common_thickness, constant_thickness, require_mass
 from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
@@ -79,6 +81,24 @@ def _check_agreement(scene: Scene, outline: Outline) -> None:
         raise scene.located(error) from error
     except ReplayProblem as problem:
         raise scene.located(UserError(str(problem), "supports", "change the formula")) from problem
+
+
+def check_vibrating(scene: Scene, outline: Outline) -> None:
+    """Makes sure that the materials of a body that vibrates freely have a mass, and a thickness that its model takes.
+
+    Raises:
+        UserError: they have not.
+    """
+    try:
+        require_mass(scene)
+        if modal_keys(scene).model in ("solid", "plate"):
+            common_thickness(scene)
+        else:
+            for material in scene.material.values():
+                constant_thickness(material)
+    except UserError as error:
+        raise scene.located(error) from error
+    check_thickness(scene, outline)
 
 
 def check_thickness(scene: Scene, outline: Outline) -> None:

@@ -166,21 +166,15 @@ class VibratingBody(ABC):
         """The conditions of the scene's supports.
 
         Raises:
-            UserError: one fixes what the body does not have, or prescribes another value than 0.
+            UserError: one fixes what the body does not have.
         """
         for name, support in self.scene.supports.items():
-            for axis, value in support.fix.items():
+            for axis in support.fix:
                 if axis not in self.axes:
                     raise UserError(
                         f"this body has no unknown {axis!r}",
                         f"supports.{name}.fix",
                         f"fix some of {', '.join(self.axes)}",
-                    )
-                if value != 0.0:
-                    raise UserError(
-                        "what a support prescribes has no meaning for free vibrations",
-                        f"supports.{name}.fix.{axis}",
-                        f'fix = ["{axis}"]',
                     )
         return dirichlet_of(self.scene, self.space, self.unknowns)
 

@@ -14,12 +14,20 @@ def materials_by_region(scene: Scene, plane: Space) -> list[Material]:
     Raises:
         UserError: a region without a material, or a material without density.
     """
-    without = "a body without density cannot vibrate"
-    require_value(scene, "rho", without, 'give it one, e.g. rho = "7850 kg/m^3"')
+    require_mass(scene)
     names = names_by_region(scene, plane)
     # Regions that fill the shape leave no cell to the rest, whose material is never looked at.
     some = next(name for name in names if name is not None)
     return [scene.material[name or some] for name in names]
+
+
+def require_mass(scene: Scene) -> None:
+    """Makes sure that all materials have a density.
+
+    Raises:
+        UserError: one has none.
+    """
+    require_value(scene, "rho", "a body without density cannot vibrate", 'give it one, e.g. rho = "7850 kg/m^3"')
 
 
 def law(materials: list[Material]) -> Family:

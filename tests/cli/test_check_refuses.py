@@ -1,0 +1,64 @@
+"""What the first frame of a replay refuses, `restshape check` refuses in the same words."""
+
+import pytest
+from cloths import CONTACT, PIN, write_cloth
+from modal import SCENES
+from small_scenes import plate, write_scene
+
+from restshape.cli.main import main
+
+CORE = "shape.regions.core={circle={center=[5,5],radius=2}}"
+ALLOY = 'material.alloy={region="core",E="70 GPa",nu=0.33'
+
+
+@pytest.fixture
+def refused(capsys):
+    """What both commands say of a scene with these overrides, having failed with 2."""
+
+    def ran(scene, *overrides: str) -> str:
+        said = []
+        for command in ("check", "replay"):
+            assert main([command, str(scene), *(word for one in overrides for word in ("--set", one))]) == 2
+            err = capsys.readouterr().err
+            said.append(err[err.index(f"restshape {command}: ") + len(f"restshape {command}: ") :])
+        assert said[0] == said[1]
+        return said[0]
+
+    return ran
+
+
+@pytest.mark.parametrize(
+    ("overrides", "what"),
+    [
+        ((CORE, ALLOY + ',rho=2700,thickness="60 mm"}'), "the materials of a solid or a plate have one thickness"),
+        ((CORE, ALLOY + ',thickness="50 mm"}'), "material.alloy: a body without density cannot vibrate"),
+        (
+            ('effects.modal.model="plane_stress"', "material.steel.thickness='0.05 + 0.001*x'"),
+            "a plane solid has one thickness",
+        ),
+        (('supports.rim={on="bottom",fix={z="1 mm"}}',), "what a support prescribes has no meaning"),
+        (('quantities.size={area=true,at="bottom"}',), "'bottom' holds no cell of the mesh"),
+        (('quantities.sag={displacement="y",at="a"}',), "modes have no displacement"),
+    ],
+)
+def test_of_free_vibrations(refused, overrides, what):
+    assert what in refused(SCENES / "square.toml", *overrides)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "what"),
+    [
+        ('{ energy = "kinetic" }', "a solid in static equilibrium has no 'kinetic' energy"),
+        ('{ energy = "strain", at = "right" }', "'right' holds no cell of the mesh"),
+    ],
+)
+def test_of_energies_of_solids(refused, tmp_path, quantity, what):
+    scene = write_scene(tmp_path, plate().replace("[quantities]", f"[quantities]\nq = {quantity}"))
+    assert what in refused(scene)
+
+
+@pytest.mark.parametrize("kind", ["energies", "folds"])
+def test_of_cloth(refused, tmp_path, kind):
+    what = 'energy = "membrane"' if kind == "energies" else "folds = true"
+    scene = write_cloth(tmp_path, PIN, CONTACT, f'[quantities]\nq = {{ {what}, at = "left" }}\n')
+    assert f"{kind} of cloth are those of all of it" in refused(scene)
