@@ -136,7 +136,7 @@ def test_energies_of_motions(tmp_path, monkeypatch, at):
     def of(solid):
         mass = solid.integrals(CONSISTENT)[0]
         energy = MotionQuantities(solid, lambda v, some: mass.of(some).energies(v)).energy
-        return [energy("", kind, cells)(analysis.x, motion) for kind in ("strain", "kinetic", "total")]
+        return [energy(kind, cells)(analysis.x, motion) for kind in ("strain", "kinetic", "total")]
 
     strain, kinetic, total = one = of(whole(analysis))
     assert total == pytest.approx(strain + kinetic) and min(one) > 0.0

@@ -85,10 +85,10 @@ class Suggestion:
             words += f", {amounts.amount(float(plank.size[2]), 'm')} thick"
         if len({one.wood for one in piece.planks}) > 1:
             words += f", of {plank.wood}"
-        third = piece.planks[board.third]
-        if joints_near((third, plank), piece.reach):
-            # Drawn there by hand it would be.
-            words += f", not joined to {third.name} beside it"
+        others = (one for k, one in enumerate(piece.planks) if k not in board.between)
+        # Drawn there by hand it would be joined to them.
+        if beside := [one.name for one in others if joints_near((one, plank), piece.reach)]:
+            words += f", not joined to {' and '.join(beside)} beside it"
         if board.mirrored:
             words += f"; and its mirror image{'s' * (len(board.mirrored) > 1)} across "
             words += " and ".join("xy"[axis] for axis in board.mirrored)

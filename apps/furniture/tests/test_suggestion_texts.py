@@ -11,9 +11,9 @@ from restshape_apps.furniture.cli.guidance import print_guidance
 from restshape_apps.furniture.guidance.amounts import along, amount, ends, in_words, named
 from restshape_apps.furniture.guidance.design import Design, Guidance, _distinct
 from restshape_apps.furniture.guidance.suggested import Suggestion
-from restshape_apps.furniture.guidance.support_planks import support_planks
+from restshape_apps.furniture.guidance.support_planks import SupportPlank, support_planks
 from restshape_apps.furniture.physics.furniture import UNSTABLE, WEAK, Furniture
-from restshape_apps.furniture.pieces import PIECES, SCENES, chair, drawn, scales, shelf_1, table
+from restshape_apps.furniture.pieces import PIECES, SCENES, chair, drawn, joined, scales, shelf_1, table
 from restshape_apps.furniture.shape.directions import room_words
 from restshape_apps.furniture.shape.plank_edits import added
 from restshape_apps.furniture.shape.planks import FREEDOMS, Plank
@@ -200,7 +200,7 @@ def test_a_replay_says_why_there_are_no_suggestions(tmp_path) -> None:
 SUPPORT = re.compile(
     r"a plank of ([\d.]+) mm by ([\d.]+) mm between (\S+|the floor) and (\S+|the floor), its middle at \((.+)\) mm, "
     r"its length along (.+), its width along (.+?)(?:, ([\d.]+) mm thick)?"
-    r"(?:, of (\w+))?(?:, not joined to (\S+) beside it)?"
+    r"(?:, of (\w+))?(?:, not joined to (\S+(?: and \S+)*) beside it)?"
 )
 AXES = {"x": (1, 0, 0), "y": (0, 1, 0), "z": (0, 0, 1)}
 
@@ -255,10 +255,24 @@ def test_a_support_plank_can_be_drawn_again_from_its_words(name) -> None:
         assert (thick is None) == (len({p.size[2] for p in piece.planks}) == 1)
         assert wood is None
         drawn_again = added(piece, replace(made, name="again"), piece.reach)
-        assert len(drawn_again.joints) - len(suggestion.piece.joints) == (beside is not None)
+        assert len(drawn_again.joints) - len(suggestion.piece.joints) == (len(beside.split(" and ")) if beside else 0)
         if beside:
             joint = drawn_again.joints[-1]
-            assert beside in (drawn_again.planks[joint.i].name, drawn_again.planks[joint.j].name)
+            assert {drawn_again.planks[joint.i].name, drawn_again.planks[joint.j].name} & set(beside.split(" and "))
+
+
+def test_a_support_plank_names_all_planks_that_it_would_be_joined_to_if_drawn() -> None:
+    left, right = (
+        Plank.between(name, (x, 0, 0), (x, 0, 1), (0, 0.3, 0), 0.018) for name, x in (("left", 0.0), ("right", 0.9))
+    )
+    low, top = (
+        Plank.between(name, (0, 0, z), (0.9, 0, z), (0, 0.3, 0), 0.018) for name, z in (("low", 0.3), ("top", 0.9))
+    )
+    piece = joined("shelf", [left, right, low, top], fastener="screw", spacing=0.06)
+    for x, beside in ((0.45, ""), (0.891 - 0.075, "right"), (0.085, "left")):
+        board = Plank.between("support", (x, 0, 0.309), (x, 0, 0.891), (0.15, 0, 0), 0.018)
+        words = Suggestion.supported(piece, SupportPlank(piece, (2, 3), 0, Furniture(piece).test(), (), board)).words
+        assert words.endswith(f", not joined to {beside} beside it" if beside else "its width along x")
 
 
 def test_a_support_plank_states_its_thickness_and_wood_where_there_are_several() -> None:
