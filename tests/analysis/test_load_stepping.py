@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from restshape_studies.validation.elastica import stretched_elastica
 from scipy.integrate import solve_bvp
 from scipy.special import ellipe, ellipk
-from small_scenes import make_replay, rows_of, write_scene
+from small_scenes import make_replay, rows_of, write_scene, write_script
 
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.load_stepping import SEARCHED, SHORTEST, step_load
@@ -173,3 +173,14 @@ def test_a_pressure_that_follows_is_put_on_in_steps(tmp_path):
     x, y, angle = pressed_elastica(pressure, 1e6 * height**3 / 12 / (1 - 0.3**2))
     corner = x - height / 2 * np.sin(angle) - 1, y + height / 2 * (np.cos(angle) - 1)
     assert angle < -2 and (row["q_x"], row["q_y"]) == pytest.approx(corner, abs=0.012)
+
+
+def test_a_bent_strip_that_is_drawn_out_takes_no_longer_than_one_from_rest(tmp_path):
+    # What keeps its shape on the longer strip is a load under which it is unstable: short steps lead nowhere.
+    events = [{"do": "press", "on": "right"}, {"do": "drag", "to": [1.15, 0], "frames": 3}]
+    script = write_script(tmp_path, [{"t": 0.1 * k} | event for k, event in enumerate(events)])
+    first, _, *rows = rows_of(make_replay(ELASTICA, script, overrides=["parameters.load=5"]))
+    assert all(row["newton"] < 1.5 * first["newton"] for row in rows)
+    length = 1.15
+    tip = stretched_elastica(5 * length**2)
+    assert (-rows[-1]["q_down"], -rows[-1]["q_back"]) == pytest.approx(tuple(length * u for u in tip), rel=2e-3)

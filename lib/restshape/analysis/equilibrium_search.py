@@ -42,6 +42,7 @@ class EquilibriumSearch:
 
     Newton's method starts at a guess. Where that fails, the force that the last state lacks on the new shape is put on
     as a load that keeps it, and taken away in steps; then the same from rest, where these steps are those of the load.
+    Where the last state is unstable under the load that keeps it, rest comes first.
     A solution counts if the problem has no objection to it and, unless the guess was near, if the tangent is positive
     definite.
 
@@ -83,13 +84,27 @@ class EquilibriumSearch:
         outcome, problem = self._attempt(x, near=near)
         if not problem:
             return outcome, x
-        starts = [start] if start.any() else []
-        for begin in [*starts, np.zeros_like(x)]:
+        far = ""
+        for begin in self._beginnings(start):
             found = self._stepped(begin, outcome)
             outcome = found.outcome
             if found.reached == 1.0:
                 return outcome, found.x
-        raise ReplayProblem(f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {found.why}")
+            # Only from rest steps are parts of the load.
+            if not begin.any():
+                far = f"no equilibrium found beyond {100 * found.reached:.3g} % of the load: {found.why}"
+        raise ReplayProblem(far)
+
+    def _beginnings(self, start: np.ndarray) -> list[np.ndarray]:
+        """States (n, f) that steps of load begin at, the most promising one first: the last state, and rest.
+
+        A last state whose tangent on the new shape is not positive definite is an unstable equilibrium under the load
+        that keeps it, so that no short step from it is one to a stable one.
+        """
+        rest = np.zeros_like(start)
+        if not start.any():
+            return [rest]
+        return [start, rest] if self.newton.definite(start) else [rest, start]
 
     def _stepped(self, start: np.ndarray, before: Outcome) -> LoadPath:
         """Load steps to this frame's solution from a state (n, f), after other runs of Newton's method."""
