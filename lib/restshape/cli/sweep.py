@@ -46,8 +46,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--from-rest",
         action="store_true",
-        help="each run has a mesh of its own, and nonlinear ones find their solution from rest, not from that of the "
-        "run before, whose branch they follow",
+        help="each run has a mesh of its own and modes numbered by rank, and nonlinear ones find their solution from "
+        "rest, not from that of the run before, whose branch they follow",
     )
     add_limits(parser)
     add_verbose(parser)

@@ -18,12 +18,12 @@ def remembered(scene: Scene, app: Application) -> list[str]:
 def can_follow(old: Scene, new: Scene, app: Application, continued: bool) -> bool:
     """Whether the analysis of a scene may go on to another one, and gives what one of its own would.
 
-    Its equations determine the solution alone, not the way to it: they are linear, or give eigenvalues. Nonlinear ones
-    may follow a branch of solutions where `continued`, and never do where a part of the physics remembers the path.
+    Linear equations determine the solution alone, not the way to it. Where `continued`, nonlinear ones may follow a
+    branch of solutions, and never do where a part of the physics remembers the path; modes keep their numbers.
     """
     if any(app.transient(scene) or remembered(scene, app) for scene in (old, new)):
         return False
-    if not continued and plan(new, app).solver.equations == "nonlinear":
+    if not continued and plan(new, app).solver.equations != "linear":
         return False
     if any(getattr(old, key) != getattr(new, key) for key in FIXED):
         return False

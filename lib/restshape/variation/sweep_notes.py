@@ -11,7 +11,7 @@ MOVED = (1, 2)
 
 
 def sweep_notes(runs: Sequence[SweptRun]) -> list[str]:
-    """The notes, a line each: which runs start from rest, and which have the mesh of another shape.
+    """The notes, a line each: which start from rest, have the mesh of another shape, or modes of other ranks.
 
     Args:
         runs: that are done.
@@ -22,6 +22,9 @@ def sweep_notes(runs: Sequence[SweptRun]) -> list[str]:
     if moved := sum(meshes_moved(runs)):
         which = f"{counted(moved, 'run')} on the mesh of the run before, moved to its shape (level 1 or 2)"
         found.append(f"{which}: values hold to the error of the mesh; --from-rest gives each run its own mesh")
+    if crossed := sum(one.crossed for one in runs):
+        which = f"modes keep their numbers from run to run: in {counted(crossed, 'run')} these are not their ranks"
+        found.append(f"{which}; --from-rest numbers those of each run by rank, as a replay of its own does")
     return found
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 DONE, INVALID, UNSOLVED = "done", "invalid", "unsolved"
 """Status of a run: it has a result; its scene or script is not valid; its first shape has no solution."""
+BY_ID = ("mode", "cents", "ratio")
+"""Kinds of quantities that name modes by their ids."""
 NEW, REUSED = "new", "reused"
 """Analysis of a run: made for it, or that of the run before."""
 
@@ -71,6 +73,7 @@ class SweptRun:
         quantities: by column: ``q_`` and the name, or a column of the application where the scene names none.
         cpu_s: processor time [s].
         remembered: parts of its physics that make equilibria depend on the path to them.
+        crossed: whether quantities name modes by their ids, and these are not their ranks in its first frame.
     """
 
     index: int
@@ -88,11 +91,15 @@ class SweptRun:
     quantities: dict[str, Extent] = field(default_factory=dict)
     cpu_s: float = 0.0
     remembered: Sequence[str] = ()
+    crossed: bool = False
+    _by_id: bool = False
 
     def add(self, row: RowValues, columns: Iterable[str]) -> None:
         """Take in the row of a frame, of its quantities those in these columns."""
         if not self.frames:
             self.level = whole(row, "level")
+            ids = text(row, "mode_ids").split() if self._by_id else []
+            self.crossed = ids != sorted(ids, key=int)
         self.frames += 1
         self.refused += bool(row["refused"])
         self.constraint_status = text(row, "constraint_status")
@@ -115,7 +122,8 @@ class SweptRun:
         return f"{self.status}, {word}{part}"
 
     def limit(self, scene: Scene) -> None:
-        """Take the limits of a scene, which may follow its parameters."""
+        """Take the limits of a scene, which may follow its parameters, and how its quantities name modes."""
+        self._by_id = any(quantity.kind in BY_ID for quantity in scene.quantities.values())
         self.limits = recorded_limits(scene.quantities)
 
     def table_row(self, several: bool) -> dict[str, RowValue]:
