@@ -56,6 +56,7 @@ class Extent:
             self.most = value if math.isnan(self.most) else max(self.most, value)
 
 
+# More than 15 attributes: each is a column of the table, or decides a note below it.
 @dataclass
 class SweptRun:
     """One run of a sweep.
