@@ -153,7 +153,7 @@ class MumpsInterior:
 
     def destroy(self) -> None:
         """Free it."""
-        free(self._pc, self._matrix)
+        free(self._factor, self._pc, self._matrix)
         self._matrix = self._pc = self._factor = None
 
 
