@@ -1,6 +1,5 @@
 """The pencil K - s M of an eigenproblem: products, a factor that is kept, and how many eigenvalues lie below s."""
 
-import math
 from collections.abc import Callable
 from functools import lru_cache
 
@@ -8,13 +7,12 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.lone_factor import LoneFactor
 from restshape.algebra.row_products import add_combined, combined
 from restshape.algebra.row_share import RowShare
 from restshape.algebra.shared_factor import SharedFactor
 from restshape.algebra.stages import Stages
 from restshape.arrays import Reals
-from restshape.errors import ReplayProblem
 
 SAME = 1e-12
 """Relative difference of products that rounding leaves of matrices which are multiples of each other."""
@@ -45,8 +43,8 @@ class Pencil:
         self.nonzeros = 0.0
         self.factorisations = self.substitutions = self.products = 0
         self.share = RowShare(PETSc.COMM_SELF, slice(0, 0), 0)
-        self._kept: _Factor | SharedFactor = _Factor(blocks)
-        self._counting: _Factor | SharedFactor = _Factor()
+        self._kept: LoneFactor | SharedFactor = LoneFactor(blocks)
+        self._counting: LoneFactor | SharedFactor = LoneFactor()
         self._patterns = (0, 0)
 
     @property
@@ -75,7 +73,7 @@ class Pencil:
     def set_matrices(self, stiffness: PETSc.Mat, mass: PETSc.Mat, new_system: bool) -> None:
         """Take up new values; where `new_system`, of other unknowns, for which no old factor serves."""
         self.stiffness, self.mass, self.share = stiffness, mass, RowShare.of(stiffness)
-        if not self.share.alone and isinstance(self._kept, _Factor):
+        if not self.share.alone and isinstance(self._kept, LoneFactor):
             self._kept, self._counting = SharedFactor(), SharedFactor()
         if new_system:
             self._kept.forget()
@@ -143,78 +141,6 @@ class Pencil:
         """The same for PETSc's vectors."""
         self.substitutions += 1
         self._kept.solve(b, x)
-
-
-class _Factor:
-    """A complete factor of K - s M whose ordering and fill are kept for as long as the pattern stays.
-
-    Args:
-        blocks: of a node; else of single numbers.
-    """
-
-    def __init__(self, blocks: bool = False) -> None:
-        self.blocks = blocks
-        self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
-        self._matrix: PETSc.Mat = None
-        self._pc: PETSc.PC = None
-        self._panels = False
-
-    def forget(self) -> None:
-        """Let go of the factor."""
-        for part in (self._pc, self._matrix):
-            if part is not None:
-                part.destroy()
-        self.made, self.stale_pattern, self._matrix, self._pc = False, True, None, None
-        self._panels = False
-
-    def substitute_by_panels(self) -> None:
-        """Substitute by panels, now and with factors to come of this pattern: worth making for more than one frame."""
-        if not self._panels:
-            _kernels.solve_by_panels(self._pc.getFactorMatrix().handle)
-            self._panels = True
-
-    def make(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> int:
-        """Factor; the number of negative pivots."""
-        if self.stale_pattern:
-            self.forget()
-            self._matrix = stiffness.duplicate(copy=True)
-            self._pc = PETSc.PC().create(PETSc.COMM_SELF)
-            self._pc.setType("cholesky")
-            # Counts of eigenvalues of thin bodies hang on pivots that blocks round more.
-            order_factor(self._pc, self.blocks)
-            self.stale_pattern = False
-        else:
-            stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        if shift:
-            self._matrix.axpy(-shift, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        # An indefinite matrix under the name of a definite one would go to a factor without pivots to count.
-        self._matrix.setOption(PETSc.Mat.Option.SPD, False)
-        self._matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._pc.setOperators(self._matrix)
-        self._pc.setUp()
-        factor = self._pc.getFactorMatrix()
-        below, singular, _ = factor.getInertia()
-        if singular or not self._answers():
-            self.forget()
-            raise ReplayProblem("the pencil of stiffness and mass has no factor at this shift")
-        if self._panels:
-            _kernels.solve_by_panels(factor.handle)
-        self.nonzeros, self.made = factor.getInfo()["nz_used"], True
-        return below
-
-    def _answers(self) -> bool:
-        """Whether the factor gives numbers: PETSc only notes a pivot that failed."""
-        b, x = self._matrix.createVecs()
-        b.set(1.0)
-        self._pc.apply(b, x)
-        finite = math.isfinite(x.norm())
-        b.destroy()
-        x.destroy()
-        return finite
-
-    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> None:
-        """Forward and backward substitution."""
-        self._pc.apply(b, x)
 
 
 def _through(operation: Callable[[PETSc.Vec, PETSc.Vec], None], row: Reals, out: Reals, share: RowShare) -> None:

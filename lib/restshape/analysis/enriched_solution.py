@@ -1,22 +1,40 @@
 """Solutions on the next richer space, by few steps on the preconditioner that is kept of the space itself."""
 
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
 import numpy as np
+from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.lone_factor import LoneFactor
+from restshape.algebra.preconditioner import free
 from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
 from restshape.analysis.linear_system import LinearSystem
+from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
 from restshape.fem.enrichment import Enrichment
 from restshape.fem.problem import INTERNAL
 from restshape.fem.residuals import Operation, unconstrained_residual
+
+if TYPE_CHECKING:
+    from restshape.algebra.shared_factor import SharedFactor
+
+log = logging.getLogger("restshape.analysis")
+
+MOST_FACTORED = 500_000
+"""Unknowns of a richer space whose matrix gets a complete factor."""
 
 
 class EnrichedSystem:
     """Solves a linear, symmetric problem on a richer space than it was solved on.
 
     Conjugate gradients start at the solution. They are preconditioned on two levels: the kept preconditioner of the
-    space, and the diagonal of the richer one's matrix.
+    space, and the diagonal of the richer one's matrix. Where elements take means, as of incompressible materials,
+    the solution is not in the richer space's, whose matrix gets a complete factor.
 
     Args:
         enrichment: of the problem.
@@ -38,12 +56,14 @@ class EnrichedSystem:
         self._down = self._up.T.tocsr()
         self._problem = enrichment.problem
         self._before: tuple[int, np.ndarray] | None = None
+        self._complete = self._problem.nested is not self._problem
+        self._factor: LoneFactor | SharedFactor | None = None
 
     def solution(self, x: np.ndarray, free: np.ndarray, geometry: int) -> np.ndarray:
         """The unknowns (m, f), to 1 % of what they are away from those of the space, in the energy norm.
 
         Steps begin at what they were away before, times a factor, where no node has moved since. Not numbers where they
-        do not converge.
+        do not converge, and where there is no factor.
 
         Args:
             x: (n, f) solution of the space.
@@ -57,6 +77,8 @@ class EnrichedSystem:
         problem.boundary.zero(residual)
         internal = Assembled(problem.integrals(INTERNAL), system.operator)
         matrix = internal.system(problem.boundary.values, np.zeros_like(start))
+        if self._complete:
+            return start + self._factored(matrix, residual.ravel()).reshape(start.shape)
         diagonal = np.zeros(start.size)
         diagonal[system.rows] = matrix.getDiagonal().array
         gather_vector(diagonal, system.rows, system.comm)
@@ -71,12 +93,35 @@ class EnrichedSystem:
         problem = self.enrichment.problem
         if problem is self._problem:
             return
+        self._complete = problem.nested is not problem
         if problem.space is self._problem.space:
             self._system.operator.set_constraints(problem.boundary.mask)
         else:
             self._system = LinearSystem(self._coarse.comm, problem, self._backend, self._solver.traits)
             self._before = None
+            if self._factor is not None:
+                self._factor.stale_pattern = True
         self._problem = problem
+
+    def _factored(self, matrix: PETSc.Mat, residual: np.ndarray) -> np.ndarray:
+        """What is missing (m f,), by a complete factor of the matrix; not numbers where there is none."""
+        system, found = self._system, np.full_like(residual, np.nan)
+        if residual.size > MOST_FACTORED:
+            return found
+        if self._factor is None:
+            fields = self._problem.boundary.mask.shape[1]
+            self._factor = LoneFactor(blocks=True) if system.comm.size == 1 else _shared_factor(fields)
+        b, x = matrix.createVecs()
+        b.array[:] = residual[system.rows]
+        try:
+            if self._factor.make(matrix, matrix, 0.0) == 0:
+                self._factor.solve(b, x)
+                found[system.rows] = x.array
+        except ReplayProblem as problem:
+            log.info("No errors of quantities: %s", problem)
+        free(b, x)
+        gather_vector(found, system.rows, system.comm)
+        return found
 
     def _begun(self, product: Operation, residual: np.ndarray, geometry: int) -> tuple[np.ndarray, np.ndarray, float]:
         """Where steps begin (m f,), the residual left there, and its squared energy.
@@ -106,3 +151,10 @@ class EnrichedSystem:
             return found
 
         return apply
+
+
+def _shared_factor(fields: int) -> SharedFactor:
+    # It brings SciPy, which is needed here alone.
+    from restshape.algebra.shared_factor import SharedFactor
+
+    return SharedFactor(fields)

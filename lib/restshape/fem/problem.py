@@ -123,6 +123,12 @@ class SteadyProblem(Problem, Protocol):
     def loaded_inside(self) -> bool:
         """Whether there is one in the integrals of `INTERNAL`."""
 
+    @property
+    def nested(self) -> SteadyProblem:
+        """What is on the next richer space as it is on this one, for the same unknowns: all, where elements take no
+        means."""
+        return self
+
     def update(self) -> None:
         """Evaluate again what depends on the place of the nodes; nothing where all values are constant."""
 

@@ -21,9 +21,9 @@ class CurvedProblem:
 
     Args:
         enrichment: of the problem.
-        residual: (m, f) of unknowns that were brought to its nodes.
+        residual: (m, f) of unknowns that were brought to its nodes, of what is nested of both problems.
         unknowns: (m, f) these.
-        own_residual: (n, f) that the solver has left of the problem itself, and the reactions.
+        own_residual: (n, f) of the problem itself, likewise: what the solver has left, and the reactions.
     """
 
     enrichment: Enrichment
@@ -35,8 +35,8 @@ class CurvedProblem:
     def of(cls, enrichment: Enrichment, problem: SteadyProblem, x: np.ndarray) -> "CurvedProblem":
         """With an enrichment of the space of the problem that unknowns x (n, f) solve."""
         unknowns = enrichment.unknowns(x)
-        residual = unconstrained_residual(enrichment.problem, unknowns)
-        return cls(enrichment, residual, unknowns, unconstrained_residual(problem, x))
+        residual = unconstrained_residual(enrichment.problem.nested, unknowns)
+        return cls(enrichment, residual, unknowns, unconstrained_residual(problem.nested, x))
 
 
 def quantity_error(
@@ -101,7 +101,8 @@ def _consistency(
     error = float((own * dual).sum()) - float((residual * curved.enrichment.over.prolonged(dual)).sum())
     if derivative.energy is not None:
         richer, cells_of = curved.enrichment, derivative.energy
-        both = ((richer.problem, curved.unknowns, richer.over.cells_in(cells_of)), (problem, x, cells_of))
+        there = richer.problem.nested, curved.unknowns, richer.over.cells_in(cells_of)
+        both = (there, (problem.nested, x, cells_of))
         energies = [one.integrals(STIFFNESS)[0].energies(at)[cells].sum() for one, at, cells in both]
         error += float(energies[0] - energies[1])
     return error

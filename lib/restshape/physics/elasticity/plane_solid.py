@@ -2,7 +2,10 @@
 
 # More than 15 modules: laws, loads, supports, stresses and quantities make one problem here.
 
+from __future__ import annotations
+
 from collections.abc import Mapping
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -108,6 +111,18 @@ class PlaneSolid(TransientProblem):
     def varies(self) -> bool:
         """Whether a value changes when nodes move."""
         return self.loads.varies or self.boundary.varies
+
+    @property
+    def nested(self) -> PlaneSolid:
+        """Without the dilatation where elements take its mean: those of smaller triangles are others."""
+        if not self.averaged:
+            return self
+        part = copy(self)
+        part._made = {}
+        part.params, part.stiffness_params = self.params.copy(), self.stiffness_params.copy()
+        for params in (part.params, part.stiffness_params):
+            params[..., 0] = 0.0
+        return part
 
     @cached_property
     def stiffest(self) -> float:
