@@ -41,6 +41,8 @@ OPTIONS = [
 SCREEN = {"width": 1280, "height": 800}
 COMMAND = "restshape.cli.main"
 WAIT = 60.0
+EMPTY = 150
+"""Places of the mouse in a drag of an empty page."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,7 @@ async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[st
         chromium = await driver.chromium.launch(executable_path=browser(), args=more)
         try:
             async with bare_page(port, SCREEN, NOTES) as page:
+                ceiling = await _ceiling(page, drag)
                 started = time.time()
                 async with _session(scene, overrides) as (process, address):
                     await page.ask("Page.navigate", {"url": address})
@@ -104,7 +107,24 @@ async def _dragged(scene: Path, drag: Drag, overrides: Sequence[str]) -> dict[st
                         found = await _moved(page, mouse, drag, {os.getpid(): "driver", process.pid: "server"})
         finally:
             await chromium.close()
-    return {"first_s": first, **found}
+    return {"first_s": first, "ceiling_per_second": ceiling, **found}
+
+
+async def _ceiling(page: BarePage, drag: Drag) -> float:
+    """How many turns of the display a second have a new place of the mouse, on a page on which nothing else happens."""
+    await page.ask("Page.navigate", {"url": "about:blank"})
+    await asyncio.sleep(0.5)
+    with mouse_of(page.debugger) as mouse:
+        mouse.press((drag.wide, drag.wide))
+        await asyncio.to_thread(mouse.move_along, _way(drag.wide, drag.wide, drag, EMPTY), drag.rate)
+        mouse.release((drag.wide, drag.wide))
+        await asyncio.sleep(0.1)
+    return rate(await page.evaluate("restshapeNoted.met"))
+
+
+def _way(x: float, y: float, drag: Drag, places: int) -> list[tuple[float, float]]:
+    """Where the mouse goes from a place [pixels]."""
+    return [(x + drag.wide * math.sin(k / 60), y + drag.high * math.sin(k / 25)) for k in range(places)]
 
 
 async def _first(page: BarePage, scene: Path) -> float:
@@ -146,8 +166,10 @@ async def _moved(page: BarePage, mouse: Mouse, drag: Drag, roots: dict[int, str]
     mouse.move((x, y))
     mouse.press((x, y))
     await asyncio.sleep(0.5)
-    await page.evaluate("Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [], turns: [] }); 0")
-    way = [(x + drag.wide * math.sin(k / 60), y + drag.high * math.sin(k / 25)) for k in range(drag.places)]
+    await page.evaluate(
+        "Object.assign(restshapeNoted, { sent: new Map(), drawn: [], bytes: [], turns: [], met: [] }); 0"
+    )
+    way = _way(x, y, drag, drag.places)
     before, begun = spent(roots), time.perf_counter()
     await asyncio.to_thread(mouse.move_along, way, drag.rate)
     took = time.perf_counter() - begun

@@ -1,9 +1,10 @@
 """What is run in the page of a live session that is measured."""
 
 NOTES = """(() => {
-  const noted = { sent: new Map(), drawn: [], bytes: [], turns: [], shown: 0, moved: [0, 0] };
+  const noted = { sent: new Map(), drawn: [], bytes: [], turns: [], met: [], shown: 0, moved: [0, 0] };
+  let meets = false;
   window.restshapeNoted = noted;
-  const moved = ({ timeStamp }) => { noted.moved = [performance.now(), timeStamp]; };
+  const moved = ({ timeStamp }) => { noted.moved = [performance.now(), timeStamp]; meets = true; };
   document.addEventListener("pointermove", moved, true);
   document.addEventListener("restshape-drawn", ({ detail }) => noted.drawn.push([detail.id, performance.now()]));
   window.WebSocket = class extends WebSocket {
@@ -18,6 +19,8 @@ NOTES = """(() => {
   };
   const turn = () => {
     noted.turns.push(performance.now());
+    if (meets) noted.met.push(performance.now());
+    meets = false;
     requestAnimationFrame(turn);
   };
   requestAnimationFrame(turn);
@@ -28,11 +31,15 @@ NOTES = """(() => {
     requestAnimationFrame(() => setTimeout(drawn));
   });
   document.addEventListener("DOMContentLoaded", () => {
-    first.observe(document.getElementById("status"), { childList: true });
+    const status = document.getElementById("status");
+    if (status) first.observe(status, { childList: true });
   });
 })();
 """
-"""Notes in `restshapeNoted` what is sent, drawn and received, before the page's own script runs; times in ms."""
+"""Notes in `restshapeNoted` what is sent, drawn and received, before the page's own script runs; times in ms.
+
+`turns` are those of the display, `met` those of them before which the mouse has moved.
+"""
 
 FIND = """([roles, step]) => {
   const canvas = document.getElementById("canvas"), box = canvas.getBoundingClientRect(), found = new Map();

@@ -95,11 +95,21 @@ def show(_: argparse.Namespace, name: str, found: dict[str, Any]) -> None:
             "the simulating process beside a replay of the same script, processor time a frame", heads, [row], heads
         )
         return
-    heads = ["shown, p50 [ms]", "p95 [ms]", "frames/s", "turns/s", "answers", "kB a frame", "first answer [s]"]
+    heads = [
+        "shown, p50 [ms]",
+        "p95 [ms]",
+        "frames/s",
+        "empty drag",
+        "share",
+        "answers",
+        "kB a frame",
+        "first answer [s]",
+    ]
     row = [f"{found['shown_ms'][key]:.1f}" for key in ("p50", "p95")]
     row += [
         f"{found['frames_per_second']:.1f}",
-        f"{found['turns_per_second']:.1f}",
+        f"{found['ceiling_per_second']:.1f}",
+        f"{found['frames_per_second'] / found['ceiling_per_second']:.3f}",
         str(found["answers"]),
         f"{found['bytes'] / 1e3:.1f}",
         f"{found['first_s']:.2f}",

@@ -1,8 +1,10 @@
 """Modes keep their ids by their shape."""
 
 import numpy as np
+import pytest
+from scipy.optimize import linear_sum_assignment
 
-from restshape.analysis.mode_tracking import ModeIds
+from restshape.analysis.mode_tracking import SAME, ModeIds, assigned
 
 
 def followed(before, after):
@@ -48,3 +50,18 @@ def test_modes_that_turn_in_a_pair_keep_the_nearer_number():
 
 def test_first_numbers_go_to_the_modes_that_are_asked_for():
     assert list(ModeIds.first(4, np.array([1, 3])).ids) == [3, 1, 4, 2]
+
+
+@pytest.mark.parametrize("shape", [(5, 5), (4, 7), (7, 4), (1, 3), (0, 2), (2, 0)])
+@pytest.mark.parametrize("turned", [0.05, 0.5, 3.0])
+def test_ids_go_to_the_modes_that_are_most_alike_together(shape, turned):
+    """As by SciPy, of those that are alike at all; also where modes have turned so far that few are the most alike."""
+    random = np.random.default_rng(3)
+    for _ in range(50):
+        basis, _ = np.linalg.qr(np.eye(9) + turned * random.normal(size=(9, 9)))
+        mac = (np.eye(9)[: shape[0]] @ basis[:, random.permutation(9)[: shape[1]]]) ** 2
+        rows, columns = linear_sum_assignment(-mac)
+        alike = mac[rows, columns] >= SAME
+        found = assigned(mac)
+        kept = [(row, column) for row, column in enumerate(found) if column >= 0 and mac[row, column] >= SAME]
+        assert kept == [*zip(rows[alike], columns[alike])]

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from math import sqrt
 
 import numpy as np
-from scipy.optimize import nnls
 
 NODES = 81
 """Places at which a floor pushes a plank that lies on it."""
@@ -179,6 +178,9 @@ class Actions:
         Args:
             up: 1 if the floor pushes along the normal, -1 if against it.
         """
+        # Few planks lie on a floor, and SciPy's optimisers take 0.1 s to load, before the first frame of all others.
+        from scipy.optimize import nnls
+
         half = self.length / 2
         scale = np.abs(self.force).sum() + abs(self.own) * self.length
         scale += np.abs(self.couple).sum() / self.length

@@ -1,15 +1,19 @@
 """A complete factor of what a rank alone has of a symmetric matrix, and what it leaves for the border with others."""
 
+from __future__ import annotations
+
 from functools import cache
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.preconditioner import apply_to, free, order_factor
 from restshape.arrays import Reals
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 SPACES = 60, 240, 960
 """Percent of memory beyond its estimate that MUMPS takes before it gives up, one after the other: it exchanges rows."""

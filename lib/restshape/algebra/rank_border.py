@@ -1,11 +1,19 @@
 """Unknowns without which the ranks' own ones do not couple: where a matrix is parted among ranks."""
 
+# Few programs are of several ranks, and SciPy's sparse matrices take 0.07 s to load.
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from restshape.arrays import Flags, Integers, Reals
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 class RankBorder:
@@ -41,6 +49,8 @@ class RankBorder:
 
     def _set_local(self, row_of: Integers, indices: Integers, first: int, other: Integers, of_border: Flags) -> None:
         """Note the pattern of `local`: rows inside, with the border's columns behind, and a diagonal of the border."""
+        import scipy.sparse as sp
+
         inside, beside = len(self.inside), len(self.beside)
         number = np.full(len(self.inside) + len(self.own), -1)
         number[self.inside] = np.arange(inside)
@@ -63,6 +73,8 @@ class RankBorder:
         Args:
             values: the entries of this rank's rows, as PETSc has them.
         """
+        import scipy.sparse as sp
+
         return sp.csr_matrix((np.r_[0.0, values][self._source], *self._pattern), 2 * (self._size,))
 
     def between(self, values: Reals) -> tuple[Integers, Integers, Reals]:

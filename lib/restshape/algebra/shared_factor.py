@@ -4,7 +4,6 @@ import logging
 
 import numpy as np
 from petsc4py import PETSc
-from scipy.linalg import lapack
 
 from restshape.algebra.interior_factor import InteriorFactor, has_mumps, interior_factor
 from restshape.algebra.node_factors import DenseBorder, NodeInterior
@@ -145,6 +144,8 @@ class SharedFactor:
         if self._nodes:
             zero = self._dense.make(complement)
             return self._dense.negative, zero
+        from scipy.linalg import lapack
+
         # By default it would work without blocks, which takes four times as long.
         room = int(lapack.dsytrf_lwork(len(complement), lower=1)[0])
         self._factors, self._pivots, zero = lapack.dsytrf(complement, lower=1, lwork=room, overwrite_a=1)
@@ -196,6 +197,8 @@ class SharedFactor:
             if self._nodes:
                 found[:] = self._dense.solve(total)
             else:
+                from scipy.linalg import lapack
+
                 found[:] = lapack.dsytrs(self._factors, self._pivots, total.T, lower=1)[0].T
         self._world.Bcast(found)
         return found

@@ -1,8 +1,14 @@
 """The lowest eigenfrequencies of a constrained structure, and how far frequencies are from others."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 TOLERANCE = 1e-12
 

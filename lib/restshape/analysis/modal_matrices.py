@@ -1,7 +1,10 @@
 """Stiffness and mass matrices of a body that vibrates, on patterns that are kept from frame to frame."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape.algebra.gathering import gather_matrix
@@ -10,6 +13,9 @@ from restshape.algebra.row_share import RowShare
 from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 
 class ModalMatrices:
@@ -30,7 +36,7 @@ class ModalMatrices:
         comm: PETSc.Comm,
         problem: Eigenproblem,
         backend: str | None = None,
-        before: "ModalMatrices | None" = None,
+        before: ModalMatrices | None = None,
     ) -> None:
         self.problem, self.comm, mask = problem, comm, problem.boundary.mask
         offsets = problem.space.node_offsets if comm.size > 1 else np.array([0, len(problem.space.X)], dtype=np.int32)

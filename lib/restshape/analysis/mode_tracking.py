@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 SAME = 0.3
 """Modal assurance criterion (MAC) above which two modes may be the same one. Modes that meet and part again share
@@ -73,9 +72,10 @@ class ModeIds:
         # Transferred to a new mesh old modes are not of unit mass any more; new ones are. A body that was thrown off
         # its old place takes nothing of its modes along.
         mac = overlap**2 / np.where(sizes > 0.0, sizes, np.inf)[:, None]
-        rows, columns = linear_sum_assignment(-mac)
         ids, free = np.full(len(after), -1), self.free
-        for row, column in zip(rows, columns):
+        for row, column in enumerate(assigned(mac)):
+            if column < 0:
+                continue
             if mac[row, column] >= SAME:
                 ids[column] = self.ids[row]
                 if overlap[row, column] < 0.0:
@@ -84,3 +84,30 @@ class ModeIds:
         for column in np.flatnonzero(ids < 0):
             ids[column], free = free, free + 1
         return ModeIds(ids, free)
+
+
+def assigned(mac: np.ndarray) -> np.ndarray:
+    """The column (k,) of each row of an array (k, m), each column once, that makes the sum largest; -1: none is alike.
+
+    A value that is larger than the largest others in its row and in its column together is in every such sum: else to
+    exchange two columns would make it larger.
+    """
+    found = np.full(len(mac), -1)
+    if not mac.size:
+        return found
+    rows = np.arange(len(mac))
+    best = mac.argmax(axis=1)
+    in_row, in_column = mac.copy(), mac[:, best]
+    in_row[rows, best] = in_column[rows, rows] = 0.0
+    sure = mac[rows, best] > in_row.max(axis=1) + in_column.max(axis=0)
+    found[sure] = best[sure]
+    left, free = np.flatnonzero(~sure), np.setdiff1d(np.arange(mac.shape[1]), best[sure])
+    others = mac[np.ix_(left, free)]
+    if (others < SAME).all():
+        return found
+    # Few modes turn so far in a frame, and SciPy's optimisers take 0.1 s to load.
+    from scipy.optimize import linear_sum_assignment
+
+    chosen, columns = linear_sum_assignment(-others)
+    found[left[chosen]] = free[columns]
+    return found

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
 
 from restshape.errors import ReplayProblem
 
@@ -63,6 +62,9 @@ def change_beyond(
 
     right = clean_force(force)
     # In z the iteration is that of A P z = right: its residual is the true one.
+    # Few frames ask for derivatives, and this takes 0.07 s to load.
+    from scipy.sparse.linalg import LinearOperator, gmres
+
     system = LinearOperator(2 * (right.size,), matvec=lambda z: product(precondition(z)), dtype=right.dtype)
     z, failed = gmres(system, right, rtol=tolerance, atol=0.0, restart=RESTART, maxiter=RESTARTS)
     part = precondition(z)
