@@ -39,7 +39,7 @@ def test_a_drag_is_summed_up_by_first_drawings():
     assert isnan(nothing["shown_ms"]["p95"]) and isnan(nothing["frames_per_second"])
 
 
-def test_frames_are_told_as_a_share_of_those_of_an_empty_drag(capsys):
+def test_frames_are_shown_as_a_share_of_those_of_an_empty_drag(capsys):
     noted = {"sent": [], "drawn": [[k, 20.0 * k] for k in range(9)], "bytes": [], "turns": []}
     found = summed_up(noted, Spent({}, 0.0), 1.0) | {"first_s": 1.0, "ceiling_per_second": 62.5, "held": "hole"}
     bench_live.show(Namespace(), "plate", found)
