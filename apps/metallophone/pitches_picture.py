@@ -16,13 +16,14 @@ from restshape.analysis.pitch import A4, frequency_of, note, tuned
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.replay.recording import Recording
+from restshape.report.fitted_title import fitted
 from restshape.report.outlines import border, chains
 from restshape.report.style import FAINT, INK, LEVELS, SIGNED, new_figure
 
 QUARTERS = ([0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5])
 """Nodes of the four triangles that a second-order one is drawn as."""
-ACROSS = 5
-"""Shapes side by side at most."""
+ACROSS, WIDTH = 5, 11.0
+"""Shapes side by side at most, and width of the figure [inch]."""
 ROOM = 0.015
 """Room around a shape, over the size of the largest."""
 SEMITONES = 16
@@ -75,7 +76,7 @@ def draw_pitches(path: Path, recording: Recording, found: Pitches) -> None:
     low, high = extents[:, 0].min(axis=0), extents[:, 1].max(axis=0)
     wide, margin = float((high - low)[0]), ROOM * float((high - low).max())
     each = min(1.4, 0.35 + 2.1 * float((high - low)[1] / (high - low)[0])) + 0.35
-    figure = new_figure(11.0, 3.6 + down * each)
+    figure = new_figure(WIDTH, 3.6 + down * each)
     grid = figure.add_gridspec(2, 1, height_ratios=(down * each, 3.4))
     above = grid[0].subgridspec(down, across)
     for number, frame in enumerate(found.shown):
@@ -87,7 +88,8 @@ def draw_pitches(path: Path, recording: Recording, found: Pitches) -> None:
     factor, unit = length_unit(float((high - low).max()))
     title = str(recording.header.get("title") or Path(str(recording.header.get("scene") or path)).stem)
     width = f"{factor * wide:.0f} {unit}"
-    figure.suptitle(f"{title} (all to one scale, {width} wide; colour: deflection of mode 1; +: hanging points)")
+    said = f" (all to one scale, {width} wide; colour: deflection of mode 1; +: hanging points)"
+    figure.suptitle(fitted(title, WIDTH, said))
     save_picture(figure, path)
 
 
@@ -129,7 +131,7 @@ def _curve(axes: Axes, found: Pitches) -> None:
         axes.plot(times[frame], frequencies[frame], "o", color=LEVELS[3], ms=4)
         where = {"xytext": (0, 6), "textcoords": "offset points", "ha": "center", "bbox": PAPER}
         axes.annotate(str(number), (times[frame], frequencies[frame]), **where)
-    aside = 0.015 * float(np.ptp(times))
+    aside = 0.015 * float(np.ptp(times)) or 0.5
     axes.set(xlabel="edit time [s]", ylabel="first tone", xlim=(times.min() - aside, times.max() + aside))
 
 

@@ -14,6 +14,7 @@ from restshape.analysis.response_spectrum import ResponseSpectrum
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord
+from restshape.report.fitted_title import fitted
 from restshape.report.style import INK, LEVELS, new_figure
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def draw_spectra(path: Path, record: GroundRecord, found: Sequence[ResponseSpect
         axes.set_ylim(bottom=0.0)
         axes.grid(alpha=0.25)
     left.legend(loc="upper right")
-    figure.suptitle(f"{name}: response spectrum", x=0.01, ha="left")
+    figure.suptitle(fitted(name, figure.get_figwidth(), ": response spectrum"), x=0.01, ha="left")
     save_picture(figure, path)
 
 
@@ -69,8 +70,8 @@ def draw_sweep(path: Path, found: Sweep, name: str) -> None:
     below.set_xlim(found.frequencies[0], found.frequencies[-1])
     for axes in (above, below):
         axes.grid(alpha=0.25)
-    title = f"{name}: steady motion relative to the ground, which accelerates by {found.acceleration:g} m/s²"
-    figure.suptitle(title, x=0.01, ha="left")
+    what = f": steady motion relative to the ground, which accelerates by {found.acceleration:g} m/s²"
+    figure.suptitle(fitted(name, figure.get_figwidth(), what), x=0.01, ha="left")
     save_picture(figure, path)
 
 
@@ -101,7 +102,8 @@ def draw_participation(
         axes.grid(alpha=0.25)
     if peaks:
         _draw_peaks(figure.add_subplot(grid[:, 1]), peaks)
-    figure.suptitle(f"{name}: modes on moving ground, of a mass of {modes.mass:.6g} kg", x=0.01, ha="left")
+    what = f": modes on moving ground, of a mass of {modes.mass:.6g} kg"
+    figure.suptitle(fitted(name, figure.get_figwidth(), what), x=0.01, ha="left")
     save_picture(figure, path)
 
 

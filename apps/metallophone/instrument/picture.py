@@ -13,6 +13,7 @@ from restshape_apps.metallophone.space_picture import flat_body, space_modes
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.bent_plate import FlatBody
+from restshape.report.fitted_title import fits
 from restshape.report.outlines import border, chains, polygons
 from restshape.report.space_modes import ModeView, SpaceMode, add_mode_bar, body_drawing
 from restshape.report.space_scene import SpaceImage
@@ -20,10 +21,11 @@ from restshape.report.style import BODY, INK, new_figure
 
 ACROSS, COLUMN, ROOM = 7, 2.1, 1.12
 """Bars in a row at most, width of a column [inch], and of a column in widths of the longest bar."""
-TITLE, WORDS, GAP, BAR = 0.3, 0.5, 0.15, 0.75
-"""Height of the title, of the words over each bar, between bar and mode, and of the colour bar [inch]."""
-LETTERS = 16
-"""Of the name of a bar's file at most."""
+TITLE, LINE, WORDS, GAP, BAR = 0.3, 0.17, 0.5, 0.15, 0.75
+"""Height of the title, of a second line of it, of the words over each bar, between bar and mode, and of the colour bar
+[inch]."""
+LETTERS, LETTER = 16, 10.0
+"""Of the name of a bar's file at most, and size of the title's [points]."""
 
 
 def draw(bars: Sequence[Bar], path: Path) -> None:
@@ -42,20 +44,22 @@ def draw(bars: Sequence[Bar], path: Path) -> None:
     drawn = [_mode(bar) for bar in bars]
     seen = COLUMN / max(view.window[1] - view.window[0] for _, _, view in drawn)
     bent = seen * max(view.window[3] - view.window[2] for _, _, view in drawn)
-    row = WORDS + flat + GAP + bent
-    wide, high = max(across, 2) * COLUMN, TITLE + down * row + BAR
+    row, wide = WORDS + flat + GAP + bent, max(across, 2) * COLUMN
+    title = _title(float(sizes[:, 0].max()), wide)
+    head = TITLE + LINE * title.count("\n")
+    high = head + down * row + BAR
     figure = new_figure(wide, high)
     figure.set_layout_engine("none")
     for k, (bar, (body, mode, view)) in enumerate(zip(bars, drawn)):
         line, column = divmod(k, across)
-        left, top = column * COLUMN, high - TITLE - line * row - WORDS
+        left, top = column * COLUMN, high - head - line * row - WORDS
         _draw_outline(figure.add_axes((left / wide, (top - flat) / high, COLUMN / wide, flat / high)), bar, inch)
         own, tall = (seen * (view.window[side + 1] - view.window[side]) for side in (0, 2))
         left, bottom = left + 0.5 * (COLUMN - own), top - flat - GAP - tall
         below = figure.add_axes((left / wide, bottom / high, own / wide, tall / high))
         view.frame(below)
         SpaceImage(below, view.camera).scene = body_drawing(body, mode)
-    _add_words(figure, float(sizes[:, 0].max()), all(mode.perpendicular for _, mode, _ in drawn))
+    _add_words(figure, title, all(mode.perpendicular for _, mode, _ in drawn))
     save_picture(figure, path)
 
 
@@ -84,19 +88,24 @@ def _draw_outline(axes: Axes, bar: Bar, inch: float) -> None:
     axes.text(0.5, 1.0, f"{said}{bar.title}\n{bar.frequencies[0]:.1f} Hz", fontsize=9, **words)
 
 
-def _add_words(figure: Figure, longest: float, perpendicular: bool) -> None:
+def _title(longest: float, wide: float) -> str:
+    """What is drawn of bars, the longest of a length [m], in two lines where a figure is not so wide [inch]."""
+    factor, unit = length_unit(longest)
+    lines = [f"outlines at one scale, the longest {factor * longest:.4g} {unit}"]
+    lines.append("below: mode 1, exaggerated; grey: at rest")
+    one = "; ".join(lines)
+    return one if fits(one, wide, LETTER) else "\n".join(lines)
+
+
+def _add_words(figure: Figure, title: str, perpendicular: bool) -> None:
     """The title, and the colours of the modes.
 
     Args:
-        figure: that is drawn; longest: of the bars [m].
+        figure: that is drawn; title: of it.
         perpendicular: whether all modes drawn move out of the plane.
     """
     wide, high = figure.get_size_inches()
-    factor, unit = length_unit(longest)
-    what = (
-        f"outlines at one scale, the longest {factor * longest:.4g} {unit}; below: mode 1, exaggerated; grey: at rest"
-    )
-    figure.text(0.5, 1.0 - 0.1 / high, what, fontsize=10, ha="center", va="top")
+    figure.text(0.5, 1.0 - 0.1 / high, title, fontsize=LETTER, ha="center", va="top")
     if perpendicular:
         length = min(0.8, 4.0 / wide)
         bar = figure.add_axes((0.5 - 0.5 * length, 0.45 / high, length, 0.12 / high))

@@ -11,6 +11,7 @@ from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import PICTURE_MARK
 from restshape.report.animation import even, write_animation
 from restshape.report.bent_plate import FlatBody
+from restshape.report.fitted_title import fitted
 from restshape.report.space_modes import ModeView, SpaceMode, add_mode_bar, body_drawing, scale_words
 from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, UNTRUSTED, new_figure
@@ -49,7 +50,7 @@ def _period(body: FlatBody, mode: SpaceMode, frequency: float, title: str) -> It
     image = SpaceImage(axes, view.camera)
     slower = PICTURES * SECONDS * frequency
     words = f"{mode.name}; shown {float(f'{slower:.2g}'):,.10g} times slower"
-    figure.text(0.015, 1.0 - 0.08 / high, title, fontsize=11, va="top")
+    figure.text(0.015, 1.0 - 0.08 / high, fitted(title, WIDTH), fontsize=11, va="top")
     figure.text(0.015, 1.0 - 0.32 / high, words, fontsize=9, va="top")
     colour = INK if mode.perpendicular else UNTRUSTED
     figure.text(0.015, 1.0 - 0.52 / high, mode.kind, fontsize=8, color=colour, va="top")

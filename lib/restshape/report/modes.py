@@ -12,11 +12,12 @@ from matplotlib.tri import Triangulation
 from restshape.analysis.nodal_lines import linear_triangles
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
+from restshape.report.fitted_title import fitted
 from restshape.report.outlines import border, chains
 from restshape.report.style import COLOURS, INK, SIGNED, new_figure
 
-ACROSS = 3
-"""Most pictures side by side."""
+ACROSS, WIDTH = 3, 10.8
+"""Most pictures side by side, and width of the figure [inch]."""
 LABELLED, BAR = 3.9, 0.6
 """Height of a figure with room for the label of a bar beside its pictures, and of a bar below them [inch]."""
 
@@ -40,7 +41,7 @@ def draw_modes(
         path: picture file.
         X: (n, 2) nodes [m]; cells: (ne, 3) or (ne, 6) nodes of triangles of first or second order.
         shapes: (k, n, 3) displacements of the nodes.
-        names: (k,) captions; title: of the whole.
+        names: (k,) captions; title: of the whole; its first line is cut where it is too long.
         bend: displacement [m] of the largest motion in the plane with which bodies are drawn; 0: as they rest.
         marks: (m, 2) [m] places marked by rings in each picture, such as those at which a plate is hung.
     """
@@ -54,7 +55,7 @@ def draw_modes(
     high = 0.5 + down * (0.75 + each * min(1.4, height / width))
     # The label of a bar is as long as a bar beside high pictures is; bars of low ones lie below.
     beside = high >= LABELLED
-    figure = new_figure(10.8, high if beside else high + BAR * len(kinds))
+    figure = new_figure(WIDTH, high if beside else high + BAR * len(kinds))
     drawn: dict[bool, ScalarMappable] = {}
     grid = np.atleast_1d(figure.subplots(down, across)).ravel()
     rest = chains(factor * X, border(cells)) if bend else ()
@@ -74,7 +75,9 @@ def draw_modes(
         bar.outline.set_visible(False)
     for axes in grid[len(shapes) :]:
         axes.set_visible(False)
-    figure.suptitle(f"{title}\ndashed: shape at rest" if bend else title)
+    name, *lines = title.split("\n")
+    lines += ["dashed: shape at rest"] if bend else []
+    figure.suptitle("\n".join([fitted(name, WIDTH), *lines]))
     save_picture(figure, path)
 
 

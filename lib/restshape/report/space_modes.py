@@ -16,6 +16,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.bent_plate import FlatBody
 from restshape.report.camera import Camera
+from restshape.report.fitted_title import fitted
 from restshape.report.space_scene import SpaceDrawing, SpaceImage
 from restshape.report.style import COLOURS, FAINT, INK, SIGNED, UNTRUSTED, new_figure
 
@@ -100,7 +101,7 @@ def draw_space_modes(path: Path, body: FlatBody, modes: Sequence[SpaceMode], tit
         length = min(0.8, 4.0 / wide)
         bar = figure.add_axes((middle - 0.5 * length, 0.42 / high, length, 0.11 / high))
         add_mode_bar(bar, perpendicular)
-    figure.text(0.01, 1.0 - 0.08 / high, title, fontsize=11, va="top")
+    figure.text(0.01, 1.0 - 0.08 / high, fitted(title, wide), fontsize=11, va="top")
     figure.text(0.01, 1.0 - 0.33 / high, scale_words(body), fontsize=8, va="top")
     save_picture(figure, path)
 

@@ -25,6 +25,7 @@ from restshape.physics.cloth.pictures.drawn_seams import DrawnSeam, drawn_seams
 from restshape.physics.cloth.pictures.membrane_stretch import recorded_stretches, trusted_strain
 from restshape.physics.cloth.pictures.text_room import set_apart, set_apart_alike
 from restshape.replay.recording import Recording
+from restshape.report.fitted_title import fitted
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons
 from restshape.report.scene_overlay import rebuilt_frames
@@ -133,7 +134,8 @@ def draw_beside(recording: Recording, i: int, what: str, width: int, path: Path)
     )
     if what == "strain":
         _bar(figure, rows[0])
-    figure.suptitle(scene_name(recording), color=INK, fontsize=10, y=1.0 - 0.12 / figure.get_size_inches()[1])
+    wide, high = map(float, figure.get_size_inches())
+    figure.suptitle(fitted(scene_name(recording), wide, size=10), color=INK, fontsize=10, y=1.0 - 0.12 / high)
     save_picture(figure, path)
 
 
