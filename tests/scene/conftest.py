@@ -41,7 +41,7 @@ class Entry:
 def forget() -> None:
     """What is known of installed applications is found again."""
     installed.applications.cache_clear()
-    overrides._named_tables.cache_clear()
+    overrides._named_of_physics.cache_clear()
 
 
 @pytest.fixture

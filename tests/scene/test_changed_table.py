@@ -6,6 +6,7 @@ import pytest
 
 from restshape.application import applications
 from restshape.errors import UserError
+from restshape.scene import overrides
 from restshape.scene.load import load_scene, remade, revise
 from restshape.scene.overrides import branched, put
 from restshape.scene.source import split_key
@@ -67,3 +68,24 @@ def test_a_value_that_does_not_suit_its_key_is_refused_as_in_a_file():
     with pytest.raises(UserError) as refused:
         revise(scene, key, "2 parsecs")
     assert refused.value.where.endswith(key) and split_key(key)[0] in refused.value.where
+
+
+def test_keys_of_all_scenes_are_set_without_the_tables_of_physics(monkeypatch):
+    """To look for these loads all that are installed."""
+    monkeypatch.setattr(overrides, "_named_of_physics", lambda: 1 / 0)
+    raw = {"mesh": {}, "parameters": {"t": 1.0}, "bodies": {"ball": {}}, "shape": {"vertices": {"a": [0.0, 0.0]}}}
+    for key, value in (
+        (("mesh", "size"), 0.1),
+        (("effects", "gravity", "g"), [0.0, 1.0]),
+        (("parameters", "t"), 2.0),
+        (("bodies", "ball", "radius"), 3.0),
+        (("shape", "vertices", "a", "0"), 4.0),
+    ):
+        put(raw, key, value, "a test")
+    assert (raw["mesh"]["size"], raw["parameters"]["t"], raw["bodies"]["ball"]["radius"]) == (0.1, 2.0, 3.0)
+    assert raw["shape"]["vertices"]["a"] == [4.0, 0.0] and raw["effects"] == {"gravity": {"g": [0.0, 1.0]}}
+    for key in (("parameters", "u"), ("shape", "vertices", "b"), ("loads", "wind", "force")):
+        with pytest.raises(UserError, match="there is no"):
+            put({"loads": {}} | raw, key, 1.0, "a test")
+    with pytest.raises(ZeroDivisionError):
+        put(raw, ("bodies", "cube", "size"), 1.0, "a test")

@@ -7,6 +7,7 @@ from restshape.application import applications
 from restshape.errors import UserError
 from restshape.scene.application_registry import installed_physics
 from restshape.scene.key_aliases import other_name
+from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
 from restshape.scene.scene_type import joined_sections
 from restshape.scene.source import split_key, suggestion
@@ -49,7 +50,6 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
     if not key:
         raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
     here: object = raw
-    tables = _named_tables()
     for depth, part in enumerate(key):
         last = depth == len(key) - 1
         if isinstance(here, list):
@@ -62,7 +62,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
             raise UserError(
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
-        elif key[:depth] in tables and part not in here and key != FOR_ALL and not (adds and last):
+        elif part not in here and key != FOR_ALL and not (adds and last) and _has_names(key[:depth]):
             do = suggestion(part, sorted(here)) or _by_its_table(key[:depth])
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, do)
         if isinstance(here, list):
@@ -108,9 +108,18 @@ def _by_its_table(key: tuple[str, ...]) -> str:
     return f"add it by its table{f', with {needed}' if needed else ''}"
 
 
+def _has_names(table: tuple[str, ...]) -> bool:
+    """Whether the keys of a table are names that a scene gives."""
+    if len(table) == 2:
+        return table[0] == "shape" and table[1] in NAMED_OF_SHAPE
+    if len(table) != 1 or table[0] in NAMED:
+        return len(table) == 1
+    # Physics add tables, none of those that all scenes have; to load all that are installed takes 0.04 s.
+    return table[0] not in Scene.model_fields and table[0] in _named_of_physics()
+
+
 @cache
-def _named_tables() -> frozenset[tuple[str, ...]]:
-    """Keys of tables whose own keys are names that a scene gives."""
-    physics = installed_physics(applications().values())
-    added = (key for key, section in joined_sections(physics).items() if section.named)
-    return frozenset({*((key,) for key in (*NAMED, *added)), *(("shape", key) for key in NAMED_OF_SHAPE)})
+def _named_of_physics() -> frozenset[str]:
+    """Tables of installed physics whose keys are names that a scene gives."""
+    sections = joined_sections(installed_physics(applications().values()))
+    return frozenset(key for key, section in sections.items() if section.named)
