@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from modal import EDITS, SCENES, replay, solved
 
+from restshape.analysis import mode_search
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
 from restshape.replay.parity import Parity
@@ -180,3 +181,12 @@ def test_a_plate_on_the_first_reconnected_mesh_has_its_free_sides():
     mesh.topology = -1
     body = made.analysis.make(state.scene, state.plan, mesh, False)
     np.testing.assert_array_equal(body.stiffness.parameters, known)
+
+
+def test_a_block_of_too_few_modes_out_of_the_plane_says_what_to_ask_for(monkeypatch):
+    """Beyond its first modes a thick block moves in all directions alike; here none may lie between."""
+    tall = ["material.aluminium.thickness=0.1", 'mesh.size="15 mm"', "effects.modal.modes=4"]
+    monkeypatch.setattr(mode_search, "MOST_BESIDE", 0)
+    with pytest.raises(UserError, match=r"lowest modes move mostly out of the plane.*effects\.modal\.in_plane = true"):
+        first_frame(SCENES / "bar_100.toml", tall)
+    assert len(first_frame(SCENES / "bar_100.toml", [*tall, "effects.modal.in_plane=true"]).analysis.frequencies) >= 4

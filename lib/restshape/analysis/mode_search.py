@@ -75,9 +75,8 @@ class ModeSearch:
                 count = whole
                 continue
             if count >= self.modes + MOST_BESIDE:
-                raise ReplayProblem(
-                    f"only {len(chosen)} of the {count} lowest modes are out of the plane, not {self.modes}"
-                )
+                what = f"only {len(chosen)} of the {count} lowest modes move mostly out of the plane, not {self.modes}"
+                raise ReplayProblem(f"{what}: ask for fewer effects.modal.modes, or set effects.modal.in_plane = true")
             count += max(1, self.modes - len(chosen))
 
     def _whole(self, found: Found) -> tuple[np.ndarray, np.ndarray]:
