@@ -52,7 +52,7 @@ def test_first_numbers_go_to_the_modes_that_are_asked_for():
     assert list(ModeIds.first(4, np.array([1, 3])).ids) == [3, 1, 4, 2]
 
 
-@pytest.mark.parametrize("shape", [(5, 5), (4, 7), (7, 4), (1, 3), (0, 2), (2, 0)])
+@pytest.mark.parametrize("shape", [(9, 9), (5, 5), (4, 7), (7, 4), (6, 3), (1, 3), (0, 2), (2, 0)])
 @pytest.mark.parametrize("turned", [0.05, 0.5, 3.0])
 def test_ids_go_to_the_modes_that_are_most_alike_together(shape, turned):
     """As by SciPy, of those that are alike at all; also where modes have turned so far that few are the most alike."""
@@ -65,3 +65,10 @@ def test_ids_go_to_the_modes_that_are_most_alike_together(shape, turned):
         found = assigned(mac)
         kept = [(row, column) for row, column in enumerate(found) if column >= 0 and mac[row, column] >= SAME]
         assert kept == [*zip(rows[alike], columns[alike])]
+
+
+def test_a_mode_that_is_no_number_is_refused():
+    mac = np.full((2, 2), 0.9)
+    mac[0, 1] = np.nan
+    with pytest.raises(ValueError, match="invalid"):
+        assigned(mac)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
 SAME = 0.3
 """Modal assurance criterion (MAC) above which two modes may be the same one. Modes that meet and part again share
 theirs: half each where they turn by 45 degrees in a frame."""
+FEW = 6
+"""Modes whose 720 orders at most are all tried."""
 
 
 def normalise_signs(modes: np.ndarray, mass_products: np.ndarray) -> None:
@@ -105,9 +108,26 @@ def assigned(mac: np.ndarray) -> np.ndarray:
     others = mac[np.ix_(left, free)]
     if (others < SAME).all():
         return found
-    # Few modes turn so far in a frame, and SciPy's optimisers take 0.1 s to load.
+    few = max(others.shape) <= FEW and np.isfinite(others).all()
+    rows, columns = _by_trial(others) if few else _by_search(others)
+    found[left[rows]] = free[columns]
+    return found
+
+
+def _by_trial(mac: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows, and the column of each, that make the sum of a few values (k, m) largest; as many as there can be."""
+    if len(mac) > mac.shape[1]:
+        columns, rows = _by_trial(mac.T)
+        return rows, columns
+    rows = np.arange(len(mac))
+    trials = np.array([*permutations(range(mac.shape[1]), len(mac))])
+    return rows, trials[mac[rows, trials].sum(axis=1).argmax()]
+
+
+def _by_search(mac: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same of many values."""
+    # Modes of few bodies turn so far in a frame, and SciPy's optimisers take 0.1 s to load.
     from scipy.optimize import linear_sum_assignment
 
-    chosen, columns = linear_sum_assignment(-others)
-    found[left[chosen]] = free[columns]
-    return found
+    rows, columns = linear_sum_assignment(-mac)
+    return rows, columns
