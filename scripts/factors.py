@@ -5,8 +5,8 @@ OMP_NUM_THREADS=1 python scripts/factors.py [SIDE ...]
 Each SIDE is one of a square plate of SIDE x SIDE nodes, two unknowns a node; without any, 32 and 100. Times are the
 least of several, in ms: of a factor on a new pattern with its ordering, of one on the same pattern, of a solve; and of
 a product with a vector. PETSc's own blocks take no order: they are given the nodes in elimination order, the time of
-which is left out. At last, what a nonzero takes with one unknown a node over one with two, of as many unknowns, and
-in an incomplete factor over a complete one.
+which is left out. At last, what a nonzero takes with one unknown a node over one with two, of as many unknowns,
+in a box of tetrahedra over the plate, and in an incomplete factor over a complete one.
 """
 
 import sys
@@ -20,7 +20,7 @@ from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.preconditioner import order_factor
-from restshape.measurement import measure_factor, measure_gamg, median_seconds, plate, plate_system
+from restshape.measurement import box, measure_factor, measure_gamg, median_seconds, plate, plate_system
 
 ROUNDS = 7
 
@@ -105,8 +105,8 @@ def products(X: np.ndarray, cells: np.ndarray) -> dict[str, float]:
 
 
 def nonzero_seconds(side: int, fields: int) -> dict[str, float]:
-    """Seconds a nonzero of a plate of side x side nodes: of its complete factor, of its grids, of its matrix."""
-    system = plate_system(*plate(side), fields)
+    """Seconds a nonzero of a plate of side x side nodes, or a box with three unknowns a node: of its complete factor, of its grids, of its matrix."""
+    system = plate_system(*(box(side) if fields == 3 else plate(side)), fields)
     filled, factor = measure_factor(system, "cholesky")
     grids, gamg = measure_gamg(system)
     product = median_seconds(lambda: system.mat.mult(system.b, system.x))
@@ -133,6 +133,9 @@ def main(sides: list[int]) -> None:
         single, pairs = nonzero_seconds(round(2**0.5 * side), 1), nonzero_seconds(side, 2)
         print("a nonzero with one unknown a node, over one with two")
         print("  ".join(f"{name} {single[name] / pairs[name]:.2f}" for name in single))
+        rooms = nonzero_seconds(round((2 / 3 * side**2) ** (1 / 3)), 3)
+        print("a nonzero in a box of tetrahedra, over one of the plate, of as many unknowns")
+        print("  ".join(f"{name} {rooms[name] / pairs[name]:.2f}" for name in rooms))
         filled, incomplete = measure_factor(plate_system(*plate(side)), "icc")
         print("a nonzero of ICC(3), over one of a complete factor")
         print("  ".join(f"{name} {taken / filled / pairs[name]:.2f}" for name, taken in incomplete.items()))

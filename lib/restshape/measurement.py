@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from itertools import permutations
 from typing import NamedTuple
 
 import numpy as np
@@ -80,8 +81,22 @@ def plate(side: int) -> tuple[np.ndarray, np.ndarray]:
     return np.ascontiguousarray(np.stack([x.ravel(), y.ravel()], axis=1)), cells
 
 
+def box(side: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (n, 3) and tetrahedra (ne, 4) int32 of a unit cube of side x side x side nodes: six to a small cube."""
+    places = np.linspace(0.0, 1.0, side)
+    X = np.stack(np.meshgrid(places, places, places, indexing="ij"), axis=-1).reshape(-1, 3)
+    steps = np.arange(side - 1)
+    corner = np.stack(np.meshgrid(steps, steps, steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    cells = []
+    for order in permutations(range(3)):
+        path = np.vstack([np.zeros(3, int), np.cumsum(np.eye(3, dtype=int)[list(order)], axis=0)])
+        nodes = (corner[:, None] + path) @ [side**2, side, 1]
+        cells.append(nodes if np.linalg.det(path[1:]) > 0 else nodes[:, [0, 2, 1, 3]])
+    return X, np.ascontiguousarray(np.vstack(cells), dtype=np.int32)
+
+
 class PlateSystem(NamedTuple):
-    """The matrix of a plate that a side holds, a vector, a right side; the operator holds the matrix's numbers."""
+    """The matrix of a plate or a box that a side holds, a vector, a right side; the operator holds the matrix's numbers."""
 
     mat: PETSc.Mat
     x: PETSc.Vec
@@ -90,12 +105,13 @@ class PlateSystem(NamedTuple):
 
 
 def plate_system(X: np.ndarray, cells: np.ndarray, fields: int = 2) -> PlateSystem:
-    """The stiffness of that plate with two unknowns a node, or its conduction with one, as replays make them."""
+    """The stiffness of that plate, or box, or the plate's conduction with one unknown a node, as replays make them."""
     operator = Operator(PETSc.COMM_SELF, fields, np.array([0, len(X)], dtype=np.int32))
     operator.set_topology([cells], np.repeat((X[:, 0] == 0.0).astype(np.uint8), fields))
-    element, params = (CONDUCTION, UNIT_CONDUCTION) if fields == 1 else (LINEAR_ELASTIC, UNIT_STIFFNESS)
+    elements, params = (CONDUCTION, UNIT_CONDUCTION) if fields == 1 else (LINEAR_ELASTIC, UNIT_STIFFNESS)
+    element = elements["tri3" if cells.shape[1] == 3 else "tet4"]
     zero = np.zeros((len(X), fields))
-    mat = operator.assemble([(0, element["tri3"], X, zero, np.array(params), 1.0)], None)
+    mat = operator.assemble([(0, element, X, zero, np.array(params), 1.0)], None)
     x, b = mat.createVecs()
     b.set(1.0)
     return PlateSystem(mat, x, b, operator)

@@ -1,6 +1,5 @@
 """Policy `auto`: the choice by counted work, refreshes in mid-solve, and the same answer with each preconditioner."""
 
-import itertools
 import json
 from dataclasses import replace
 
@@ -9,7 +8,7 @@ import pytest
 from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape import _kernels
+from restshape import _kernels, measurement
 from restshape.algebra.candidates import CHOLESKY, GAMG, ICC, ILU
 from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
@@ -40,9 +39,10 @@ def solver(prefix="auto_", method="auto", calibration=NOMINAL, **settings) -> Li
 # --- the choice ---------------------------------------------------------------------------------------------------
 
 
-def test_in_the_plane_a_complete_factor_is_best_until_it_grows_too_dear():
-    names = [Choice(NOMINAL)(plane(n)).name for n in (500, 2_000, 8_000, 20_000, 40_000, 200_000, 1_000_000)]
-    assert names[:5] == 5 * ["cholesky"] and names[-2:] == ["gamg", "gamg"]
+def test_in_the_plane_a_complete_factor_is_best_while_memory_holds_it():
+    """On the plate a level-1 frame of 1,000,000 unknowns takes 0.6 of the time that one with multigrid takes."""
+    names = [Choice(NOMINAL)(plane(n)).name for n in (500, 2_000, 8_000, 20_000, 200_000, 1_000_000, 5_000_000)]
+    assert names == 6 * ["cholesky"] + ["gamg"]
 
 
 def test_a_factor_larger_than_memory_is_never_chosen():
@@ -109,14 +109,7 @@ def test_what_has_failed_is_not_chosen_again():
 
 def box(m: int, bend: float = 0.0):
     """The stiffness of a unit cube of 6 m^3 tetrahedra held at the bottom, its right side, and the nodes."""
-    X = np.stack(np.meshgrid(*3 * [np.linspace(0, 1, m + 1)], indexing="ij"), axis=-1).reshape(-1, 3)
-    corner = np.stack(np.meshgrid(*3 * [np.arange(m)], indexing="ij"), axis=-1).reshape(-1, 3)
-    cells = []
-    for order in itertools.permutations(range(3)):
-        path = np.vstack([np.zeros(3, int), np.cumsum(np.eye(3, dtype=int)[list(order)], axis=0)])
-        nodes = (corner[:, None] + path) @ [(m + 1) ** 2, m + 1, 1]
-        cells.append(nodes if np.linalg.det(path[1:]) > 0 else nodes[:, [0, 2, 1, 3]])
-    cells = np.ascontiguousarray(np.vstack(cells), dtype=np.int32)
+    X, cells = measurement.box(m + 1)
     X[:, 0] += bend * np.sin(np.pi * X[:, 0]) * X[:, 2]
     element = _kernels.Element("linear_elastic_tet4")
     values = {"lambda": 1.2, "mu": 0.8, "bz": -1.0}
@@ -311,9 +304,12 @@ def test_a_guess_is_the_nearest_point_in_energy():
 @pytest.mark.slow
 def test_projected_guesses_save_iterations(tmp_path):
     scene, script = write_scene(tmp_path, plate(0.014)), write_script(tmp_path, EVENTS)
+    # Projections pay where a substitution costs more than they do, as on larger meshes.
+    solve, numeric = 4.0 * NOMINAL.solve_nonzero, 12.0 * NOMINAL.numeric_nonzero
+    dear = replace(NOMINAL, solve_nonzero=solve, numeric_nonzero=numeric)
     spent = []
     for guess in ("extrapolated", "projected"):
-        rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], guess=guess))
+        rows = rows_of(make_replay(scene, script, "auto", ["mesh.min_quality=0.05"], guess=guess, calibration=dear))
         spent.append((sum(row["iterations"] for row in rows), sum(row["pc_rebuilt"] for row in rows)))
     assert spent[1][0] < 0.85 * spent[0][0] and spent[1][1] <= spent[0][1]
 

@@ -202,3 +202,8 @@ def test_a_very_large_pattern_is_dissected_at_once_and_its_factor_substituted_in
     assert max(left) < 1e-11
     substitute_by_panels(ksp, single=False)
     assert not _kernels.panel_value_bytes(factor.handle)
+    # In single precision they are copied still, and substitutions go by them.
+    substitute_by_panels(ksp, single=True)
+    ksp.solve(right, way)
+    assert _kernels.panel_value_bytes(factor.handle) == 4
+    assert 1e-9 < (mat * way - right).norm() / right.norm() < 1e-3

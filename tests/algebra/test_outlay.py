@@ -1,5 +1,6 @@
 """A preconditioner that costs more by counted work than another one is expected to is left, by rent or buy."""
 
+import json
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -64,16 +65,20 @@ def test_what_has_no_rival_stays():
 
 
 @pytest.fixture(scope="module")
-def frames():
+def frames(tmp_path_factory):
     """The first frames of the building, a step each, where a factor is dear: rows, with what they cost beyond it."""
-    dear = replace(NOMINAL, numeric_work=32.0 * NOMINAL.numeric_work, numeric_nonzero=32.0 * NOMINAL.numeric_nonzero)
+    dear = replace(NOMINAL, numeric_work=150.0 * NOMINAL.numeric_work, numeric_nonzero=150.0 * NOMINAL.numeric_nonzero)
     one_step = ("effects.dynamics.steps=1", "solve.jumps=false")
     scene = load_scene(VIBRATION / "scenes" / "building.toml", one_step)
-    script = load_script(VIBRATION / "edits" / "building.jsonl", scene)
+    path = tmp_path_factory.mktemp("outlay") / "idle.jsonl"
+    head = {"format": "restshape-edits", "version": 1, "scene": "building.toml", "units": "m"}
+    idle = {"t": 0.0, "do": "idle", "frames": 40}
+    path.write_text(f"{json.dumps(head)}\n{json.dumps(idle)}\n", encoding="utf-8")
+    script = load_script(path, scene)
     replay = Replay(Request.of(scene, script, "auto", calibration=dear), PETSc.COMM_SELF)
     replay.errors.estimating = replay.errors.measuring = False
     choice, rows = replay.analysis.solver.kept.choice, []
-    for row in islice(replay.frames(), 20):
+    for row in islice(replay.frames(), 40):
         outlay = choice.outlay
         _, cost, setup = outlay.rival or Rival(CHOLESKY, 0.0, 0.0)
         rows.append({**row, "beyond": outlay.spent - outlay.solves * cost, "setup": setup})

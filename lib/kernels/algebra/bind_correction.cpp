@@ -160,7 +160,7 @@ void go_by(Mat factor, Solve solve) {
 bool correct_around(intptr_t handle, intptr_t matrix, const py::array_t<int32_t, py::array::c_style>& nodes,
                     int fields) {
     Mat factor = reinterpret_cast<Mat>(handle), mat = reinterpret_cast<Mat>(matrix);
-    if (!restshape::factor_in_blocks(factor)) return false;
+    if (!restshape::in_node_blocks(factor)) return false;
     if (nodes.size() == 0) {
         if (const Correction* known = correction_of(factor)) go_by(factor, known->own());
         return false;

@@ -19,19 +19,15 @@ using restshape::check;
 namespace {
 
 constexpr const char* key = "restshape_panels";
-// Panels double the memory of a factor: 200 MB beside one with so many entries.
-constexpr size_t most_double = 1 << 24, most_single = 1 << 26;
+// Panels double the memory of a factor: 200 MB beside one with 2^24 entries.
+constexpr size_t most_double = 1 << 24, most_single = 1 << 27;
 
 using Rows = restshape::FactorRows<PetscInt>;
 using Solve = PetscErrorCode (*)(Mat, Vec, Vec);
 
 // Panels of numbers in double or single precision.
-struct Panels {
-    virtual ~Panels() = default;
+struct Panels : restshape::Substitution {
     virtual void set(const double* values) = 0;
-    virtual void solve(const double* b, double* x) = 0;
-    virtual void forward(const double* b, double* x) = 0;
-    virtual void backward(const double* b, double* x) = 0;
     virtual double flops() const = 0;
 
     bool single = false;
@@ -59,18 +55,17 @@ PetscErrorCode release(void* context) {
 }
 
 // The panels that a factor goes by; none yet, or none that PETSc's own substitutions agree with.
-Panels* panels_of(Mat mat) {
+Shared panels_of(Mat mat) {
     PetscObject container = nullptr;
     void* context = nullptr;
     check(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), key, &container), "PetscObjectQuery");
     if (!container) return nullptr;
     check(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(container), &context), "PetscContainerGetPointer");
-    return static_cast<Shared*>(context)->get();
+    return *static_cast<Shared*>(context);
 }
 
-// What MatSolve, and the halves of it, call.
-template <void (Panels::*way)(const double*, double*)>
-PetscErrorCode substitute(Mat mat, Vec b, Vec x) {
+// What MatSolve calls.
+PetscErrorCode solve(Mat mat, Vec b, Vec x) {
     PetscObject container = nullptr;
     void* context = nullptr;
     PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(mat), key, &container));
@@ -80,13 +75,56 @@ PetscErrorCode substitute(Mat mat, Vec b, Vec x) {
     double* left = nullptr;
     PetscCall(VecGetArrayRead(b, &right));
     PetscCall(VecGetArrayWrite(x, &left));
-    (panels.*way)(right, left);
+    panels.solve(right, left);
     PetscCall(VecRestoreArrayWrite(x, &left));
     PetscCall(VecRestoreArrayRead(b, &right));
     return PetscLogFlops(panels.flops());
 }
 
-constexpr Solve solve = substitute<&Panels::solve>;
+// Limits of what is copied.
+bool fits(const Rows& rows, bool single) { return rows.values() <= (single ? most_single : most_double); }
+
+// Rows in panels; null where these are no rows of a complete factor.
+template <class Value>
+Shared panels_of_rows(const Rows& rows, const double* values) {
+    Shared found;
+    try {
+        found = std::make_shared<PanelsOf<Value>>(rows);
+    } catch (const std::invalid_argument&) {
+        return nullptr;
+    }
+    found->order.resize(static_cast<std::size_t>(rows.count) * rows.size);
+    std::iota(found->order.begin(), found->order.end(), 0);
+    found->set(values);
+    return found;
+}
+
+// A factor of node_blocks, in elimination order.
+class BlocksFactor {
+ public:
+    explicit BlocksFactor(Mat mat) : mat_(mat) {
+        const restshape::BlockRows own = restshape::factor_rows(mat);
+        rows_ = {own.count, static_cast<int>(restshape::factor_block_size(mat)), own.start, own.column, false};
+        values_ = own.value;
+    }
+    bool known(bool single) const { return fits(rows_, single); }
+    const double* values() const { return values_; }
+    PetscInt unknowns() const { return rows_.count * rows_.size; }
+
+    template <class Value>
+    Shared panels() const {
+        return panels_of_rows<Value>(rows_, values_);
+    }
+    std::vector<double> substituted(std::vector<double> right) const {
+        restshape::substitute_in_place(mat_, right.data());
+        return right;
+    }
+
+ private:
+    Mat mat_;
+    Rows rows_{};
+    const double* values_;
+};
 
 // A factor of PETSc's in symmetric blocks, seen through what it lets everybody see.
 class PetscFactor {
@@ -95,6 +133,7 @@ class PetscFactor {
         PetscInt size = 0;
         check(MatGetBlockSize(mat_, &size), "MatGetBlockSize");
         rows_.size = static_cast<int>(size);
+        rows_.pivot_last = size == 1;
         blocks_ = size > 1 ? PETSC_TRUE : PETSC_FALSE;
         check(MatGetRowIJ(mat_, 0, PETSC_FALSE, blocks_, &rows_.count, &rows_.start, &rows_.column, &done_),
               "MatGetRowIJ");
@@ -111,48 +150,37 @@ class PetscFactor {
     PetscFactor(const PetscFactor&) = delete;
     PetscFactor& operator=(const PetscFactor&) = delete;
 
-    bool known(bool single) const { return done_ && own_ && rows_.values() <= (single ? most_single : most_double); }
+    bool known(bool single) const { return done_ && own_ && fits(rows_, single); }
     const double* values() const { return values_; }
 
-    // Its rows in panels; null where these are no rows of a complete factor in an order of its unknowns.
+    PetscInt unknowns() const { return rows_.count * rows_.size; }
+
+    // Null too where the rows are in no order of its unknowns.
     template <class Value>
-    Shared panels(bool natural) const {
-        Shared found;
-        try {
-            found = std::make_shared<PanelsOf<Value>>(rows_);
-        } catch (const std::invalid_argument&) {
-            return nullptr;
-        }
-        found->order = natural ? own_order() : order();
+    Shared panels() const {
+        const Shared found = panels_of_rows<Value>(rows_, values_);
+        if (!found) return nullptr;
+        found->order = order();
         if (found->order.empty() && unknowns()) return nullptr;
         found->own = own_;
-        found->set(values_);
         return found;
     }
 
-    // Whether it solves a system as the panels do, up to rounding; of single precision, as well as a preconditioner
-    // must.
-    bool agrees(Panels& panels) const {
+    // By PETSc itself, past its log: it is no solve of anybody's.
+    std::vector<double> substituted(const std::vector<double>& right) const {
         const PetscInt n = unknowns();
-        std::vector<double> b(n), x(n);
-        for (PetscInt i = 0; i < n; ++i) b[i] = static_cast<double>(i % 7) - 2.5;
-        const std::vector<double> expected = substituted(b);
-        panels.solve(b.data(), x.data());
-        double size = 0.0, distance = 0.0;
-        for (PetscInt i = 0; i < n; ++i) {
-            size += std::abs(expected[i]);
-            distance += std::abs(expected[i] - x[i]);
-        }
-        return distance <= (panels.single ? 1e-3 : 1e-6) * size;
+        std::vector<double> found(n);
+        Vec b = nullptr, x = nullptr;
+        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, right.data(), &b), "VecCreateSeqWithArray");
+        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, found.data(), &x), "VecCreateSeqWithArray");
+        const PetscErrorCode code = own_(mat_, b, x);
+        check(VecDestroy(&b), "VecDestroy");
+        check(VecDestroy(&x), "VecDestroy");
+        check(code, "MatSolve");
+        return found;
     }
 
  private:
-    std::vector<PetscInt> own_order() const {
-        std::vector<PetscInt> found(unknowns());
-        std::iota(found.begin(), found.end(), 0);
-        return found;
-    }
-
     // The row of each unknown; empty where that is no order. Without entries beside the diagonal, and there the rows'
     // own numbers, a substitution gives each unknown the number of its row.
     std::vector<PetscInt> order() const {
@@ -179,22 +207,6 @@ class PetscFactor {
         return found;
     }
 
-    // By PETSc itself, past its log: it is no solve of anybody's.
-    std::vector<double> substituted(const std::vector<double>& right) const {
-        const PetscInt n = unknowns();
-        std::vector<double> found(n);
-        Vec b = nullptr, x = nullptr;
-        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, right.data(), &b), "VecCreateSeqWithArray");
-        check(VecCreateSeqWithArray(PETSC_COMM_SELF, rows_.size, n, found.data(), &x), "VecCreateSeqWithArray");
-        const PetscErrorCode code = own_(mat_, b, x);
-        check(VecDestroy(&b), "VecDestroy");
-        check(VecDestroy(&x), "VecDestroy");
-        check(code, "MatSolve");
-        return found;
-    }
-
-    PetscInt unknowns() const { return rows_.count * rows_.size; }
-
     Mat mat_;
     Rows rows_{};
     PetscBool blocks_ = PETSC_FALSE, done_ = PETSC_FALSE;
@@ -212,56 +224,76 @@ void compose(Mat mat, const Shared& panels) {
     check(PetscContainerDestroy(&container), "PetscContainerDestroy");
 }
 
+// Whether panels solve a system as their factor does, up to rounding; of single precision, as well as a preconditioner
+// must.
+template <class Factor>
+bool agree(const Factor& factor, Panels& panels) {
+    std::vector<double> b(factor.unknowns()), x(b.size());
+    for (std::size_t i = 0; i < b.size(); ++i) b[i] = static_cast<double>(i % 7) - 2.5;
+    const std::vector<double> expected = factor.substituted(b);
+    panels.solve(b.data(), x.data());
+    double size = 0.0, distance = 0.0;
+    for (std::size_t i = 0; i < b.size(); ++i) {
+        size += std::abs(expected[i]);
+        distance += std::abs(expected[i] - x[i]);
+    }
+    return distance <= (panels.single ? 1e-3 : 1e-6) * size;
+}
+
 // Panels of a factor that agree with it, in single precision where that may be and serves; null where there are none.
-Shared made_of(const PetscFactor& factor, bool natural, bool single) {
+template <class Factor>
+Shared made_of(const Factor& factor, bool single) {
     if (single) {
-        const Shared found = factor.panels<float>(natural);
-        if (!found || factor.agrees(*found)) return found;
+        const Shared found = factor.template panels<float>();
+        if (!found || agree(factor, *found)) return found;
         if (!factor.known(false)) return nullptr;
     }
-    const Shared found = factor.panels<double>(natural);
-    return found && factor.agrees(*found) ? found : nullptr;
+    const Shared found = factor.template panels<double>();
+    return found && agree(factor, *found) ? found : nullptr;
 }
+
+// A factor's panels with its present numbers: those that it has, where they are as exact as asked, or new ones.
+template <class Factor>
+Shared renewed(const Factor& factor, const Shared& kept, bool single) {
+    if (!factor.known(single)) return nullptr;
+    if (!kept || (kept->single && !single)) return made_of(factor, single);
+    kept->set(factor.values());
+    return kept;
+}
+
+Shared kept_by_blocks(Mat mat) { return std::dynamic_pointer_cast<Panels>(restshape::kept_substitution(mat)); }
 
 bool solve_by_panels(intptr_t handle, bool single) {
     Mat mat = reinterpret_cast<Mat>(handle);
-    Mat inner = restshape::factor_in_blocks(mat);
-    if (inner) mat = inner;
+    if (restshape::in_node_blocks(mat)) {
+        const Shared panels = renewed(BlocksFactor(mat), kept_by_blocks(mat), single);
+        if (panels) restshape::substitute_by(mat, panels);
+        return panels != nullptr;
+    }
     PetscBool plain = PETSC_FALSE;
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(mat), MATSEQSBAIJ, &plain), "PetscObjectTypeCompare");
     if (!plain) return false;
     MatSolverType maker = nullptr;
     check(MatFactorGetSolverType(mat, &maker), "MatFactorGetSolverType");
     if (!maker || std::strcmp(maker, MATSOLVERPETSC) != 0) return false;
-    const PetscFactor factor(mat);
-    if (!factor.known(single)) return false;
     // A factor keeps its rows for as long as it lives.
-    Panels* panels = panels_of(mat);
-    if (panels && (single || !panels->single)) {
-        panels->set(factor.values());
-    } else {
-        const Shared made = made_of(factor, inner != nullptr, single);
-        if (!made) return false;
-        compose(mat, made);
-    }
-    const auto set = [&](MatOperation which, Solve way) {
-        check(MatSetOperation(mat, which, reinterpret_cast<void (*)(void)>(way)), "MatSetOperation");
-    };
-    set(MATOP_SOLVE, solve);
-    // Factors in an order of their own, which their callers know.
-    if (inner) {
-        set(MATOP_FORWARD_SOLVE, substitute<&Panels::forward>);
-        set(MATOP_BACKWARD_SOLVE, substitute<&Panels::backward>);
-    }
+    const Shared kept = panels_of(mat), panels = renewed(PetscFactor(mat), kept, single);
+    if (!panels) return false;
+    if (panels != kept) compose(mat, panels);
+    check(MatSetOperation(mat, MATOP_SOLVE, reinterpret_cast<void (*)(void)>(solve)), "MatSetOperation");
     return true;
 }
 
 int panel_value_bytes(intptr_t handle) {
     Mat mat = reinterpret_cast<Mat>(handle);
-    if (Mat inner = restshape::factor_in_blocks(mat)) mat = inner;
-    void (*own)(void) = nullptr;
-    check(MatGetOperation(mat, MATOP_SOLVE, &own), "MatGetOperation");
-    const Panels* panels = own == reinterpret_cast<void (*)(void)>(solve) ? panels_of(mat) : nullptr;
+    Shared panels;
+    if (restshape::in_node_blocks(mat)) {
+        if (restshape::substituted_by_it(mat)) panels = kept_by_blocks(mat);
+    } else {
+        void (*own)(void) = nullptr;
+        check(MatGetOperation(mat, MATOP_SOLVE, &own), "MatGetOperation");
+        if (own == reinterpret_cast<void (*)(void)>(solve)) panels = panels_of(mat);
+    }
     return panels ? static_cast<int>(panels->single ? sizeof(float) : sizeof(double)) : 0;
 }
 
@@ -272,7 +304,7 @@ void bind_panels(py::module_& m) {
           "Lets MatSolve of a Cholesky factor of PETSc's with this handle go by panels of rows with nearly the same "
           "columns, with its values as they are, until PETSc makes it again. Returns whether it does: a factor of "
           "another kind, one whose own substitutions do not agree, or one of more than 2^24 entries, of "
-          "2^26 in single precision, stays as it is.");
+          "2^27 in single precision, stays as it is.");
     m.def("panel_value_bytes", &panel_value_bytes, py::arg("handle"),
           "Bytes of a number in the panels that MatSolve of the factor with this handle goes by; 0 where it goes by "
           "none.");

@@ -5,14 +5,16 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "algebra/block_factor.hpp"
 #include "algebra/block_substitution.hpp"
+#include "algebra/factor_pattern.hpp"
 #include "algebra/node_graph.hpp"
-#include "algebra/number_rows.hpp"
 
-// PETSc's factor in symmetric blocks takes the natural order alone: the blocks are copied in elimination order before.
-// Its pattern and substitutions are PETSc's; its numbers are made by BlockFactor, which is faster.
+// PETSc's factor in symmetric blocks takes the natural order alone, and an analysis that grows with the square of its
+// rows. This one is found by rows (`factor_pattern`), made by rows of alike columns (`BlockFactor`), and substituted in
+// its place, or by what has been told (`Substitution`).
 // A large pattern that has been factored a few times is ordered anew, by nested dissection, which pays off then; a very
 // large one is dissected at once.
 // P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996), 886; A. George, SIAM J. Numer. Anal.
@@ -26,41 +28,32 @@ namespace {
 constexpr PetscInt large = 4000, several = 2;
 // Such nodes from which on dissection takes less than it saves of the first factor.
 constexpr PetscInt dissected_at_once = 20000;
-// Numbers of a factor from which on they are substituted in place: in half of PETSc's time, as panels take, which would
-// need as much memory again.
-constexpr std::size_t in_place = std::size_t{1} << 24;
-
 struct NodeCholesky {
     UpperBlocks blocks;
     PetscInt made = 0;  // factors of this pattern
-    std::vector<double> right, solution;
-    Mat upper = nullptr, factor = nullptr;
-    Vec b = nullptr, x = nullptr;
+    FactorPattern pattern;
+    std::unique_ptr<double[]> values;            // pivots inverted, before all rows, and rows of -U
+    std::vector<double> right, solution;         // in elimination order
+    std::shared_ptr<Substitution> substitution;  // another one, of this pattern
+    bool substituted = false;                    // which has the present numbers
     BlockFactor<1> singles;
     BlockFactor<2> pairs;
     BlockFactor<3> triples;
-    NumberRows numbers;              // of blocks of one number, which PETSc lays out otherwise
     PetscInt zero = 0;               // blocks without an inverse, each counted once
     PetscInt border = 0;             // the last unknowns, which are no pivots
     PetscInt fields = 0;             // unknowns a node where they are given; else the pattern shows them
     std::vector<double> complement;  // of them, by rows
     PetscInt pivots() const { return static_cast<PetscInt>(blocks.order.size()) - border / blocks.size; }
+    BlockRows rows() const {
+        return {static_cast<PetscInt>(blocks.order.size()), pattern.start.data(), pattern.column.data(), values.get()};
+    }
+    std::size_t numbers() const { return pattern.column.size() * blocks.size * blocks.size; }
 };
 
 NodeCholesky* of(Mat F) { return static_cast<NodeCholesky*>(F->data); }
 
-PetscErrorCode release(NodeCholesky* c) {
-    PetscFunctionBegin;
-    PetscCall(MatDestroy(&c->factor));
-    PetscCall(MatDestroy(&c->upper));
-    PetscCall(VecDestroy(&c->b));
-    PetscCall(VecDestroy(&c->x));
-    PetscFunctionReturn(0);
-}
-
 PetscErrorCode destroy(Mat F) {
     PetscFunctionBegin;
-    PetscCall(release(of(F)));
     delete of(F);
     F->data = nullptr;
     PetscFunctionReturn(0);
@@ -79,90 +72,55 @@ PetscErrorCode with_pattern(Mat A, const Use& use) {
     PetscFunctionReturn(0);
 }
 
-// Rows of PETSc's factor, for a call, without values.
-template <class Use>
-PetscErrorCode with_rows(Mat factor, const Use& use) {
-    BlockRows own{};
-    PetscBool done;
-    PetscFunctionBegin;
-    PetscCall(MatGetRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs the rows of PETSc's factor");
-    PetscCall(use(own));
-    PetscCall(MatRestoreRowIJ(factor, 0, PETSC_FALSE, PETSC_TRUE, &own.count, &own.start, &own.column, &done));
-    PetscFunctionReturn(0);
-}
-
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
 
-PetscErrorCode lay_out(Mat F, Mat A, const MatFactorInfo* info, Elimination by) {
+PetscErrorCode lay_out(Mat F, Mat A, Elimination by) {
     NodeCholesky* c = of(F);
-    UpperBlocks& u = c->blocks;
-    IS rows, columns;
     PetscFunctionBegin;
-    PetscCall(release(c));
     PetscCall(with_pattern(A, [&](const Pattern& a) {
         const PetscInt size = block_size(a, c->fields);
         PetscCheck(c->border % size == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks keeps whole nodes");
-        return make_blocks(a, size, &u, c->border / size, by);
+        return make_blocks(a, size, &c->blocks, c->border / size, by);
     }));
-    const PetscInt n = A->rmap->n;
-    PetscCall(MatCreate(PETSC_COMM_SELF, &c->upper));
-    PetscCall(MatSetSizes(c->upper, n, n, n, n));
-    PetscCall(MatSetType(c->upper, MATSEQSBAIJ));
-    PetscCall(MatSeqSBAIJSetPreallocationCSR(c->upper, u.size, u.starts.data(), u.columns.data(), nullptr));
-    PetscCall(MatGetFactor(c->upper, MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &c->factor));
-    PetscCall(MatGetOrdering(c->upper, MATORDERINGNATURAL, &rows, &columns));
-    PetscCall((*c->factor->ops->choleskyfactorsymbolic)(c->factor, c->upper, rows, info));
-    PetscCall(ISDestroy(&rows));
-    PetscCall(ISDestroy(&columns));
-    if (u.size == 1)
-        PetscCall(with_rows(c->factor, [c](const BlockRows& own) {
-            c->numbers.set_pattern(own.count, own.start, own.column);
-            return PetscErrorCode(0);
-        }));
-    c->right.resize(n);
-    c->solution.resize(n);
-    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, u.size, n, c->right.data(), &c->b));
-    PetscCall(VecCreateSeqWithArray(PETSC_COMM_SELF, u.size, n, c->solution.data(), &c->x));
+    c->pattern = factor_pattern(c->blocks);
+    c->values.reset(new double[c->numbers()]);
+    c->right.resize(A->rmap->n);
+    c->solution.resize(A->rmap->n);
+    c->substitution.reset();
+    c->substituted = false;
     F->ops->choleskyfactornumeric = numeric;
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo* info) {
+PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo*) {
     PetscFunctionBegin;
     of(F)->made = 0;
-    PetscCall(lay_out(F, A, info, Elimination::minimum_degree));
+    PetscCall(lay_out(F, A, Elimination::minimum_degree));
     PetscFunctionReturn(0);
 }
 
 // Products of two blocks that a factor takes, about.
-PetscErrorCode count_products(Mat factor, double* products) {
-    PetscFunctionBegin;
-    *products = 0.0;
-    PetscCall(with_rows(factor, [products](const BlockRows& own) {
-        for (PetscInt k = 0; k < own.count; ++k) {
-            const auto wide = static_cast<double>(own.start[k + 1] - own.start[k]);
-            *products += 0.5 * wide * (wide + 1.0);
-        }
-        return PetscErrorCode(0);
-    }));
-    PetscFunctionReturn(0);
+double count_products(const FactorPattern& pattern) {
+    double products = 0.0;
+    for (std::size_t k = 0; k + 1 < pattern.start.size(); ++k) {
+        const auto wide = static_cast<double>(pattern.start[k + 1] - pattern.start[k] + 1);
+        products += 0.5 * wide * (wide + 1.0);
+    }
+    return products;
 }
 
 // Orders a pattern by nested dissection once it has been factored several times, a very large one before, where that
 // takes fewer products: in slender bodies it does not.
-PetscErrorCode dissect_if_due(Mat F, Mat A, const MatFactorInfo* info) {
+PetscErrorCode dissect_if_due(Mat F, Mat A) {
     NodeCholesky* c = of(F);
-    double before, after;
     PetscFunctionBegin;
     const auto nodes = static_cast<PetscInt>(c->blocks.order.size());
     const PetscInt made_before = nodes >= dissected_at_once ? 0 : several;
     const bool due = c->made++ == made_before && c->blocks.size == 3 && c->border == 0 && has_dissection();
     if (!due || nodes < large) PetscFunctionReturn(0);
-    PetscCall(count_products(c->factor, &before));
-    PetscCall(lay_out(F, A, info, Elimination::dissection));
-    PetscCall(count_products(c->factor, &after));
-    if (!(after < before)) PetscCall(lay_out(F, A, info, Elimination::minimum_degree));
+    const double before = count_products(c->pattern);
+    PetscCall(lay_out(F, A, Elimination::dissection));
+    if (!(count_products(c->pattern) < before)) PetscCall(lay_out(F, A, Elimination::minimum_degree));
     PetscFunctionReturn(0);
 }
 
@@ -174,14 +132,8 @@ using Block = Eigen::Matrix<double, size, size>;
 // A count of them, for a size that is known.
 using Count = PetscInt (*)(PetscInt pivots, const double* inverses);
 
-PetscErrorCode count_pivots(NodeCholesky& c, const Count (&of_size)[3], PetscInt* found) {
-    const Count count = of_size[c.blocks.size - 1];
-    double* inverses = c.numbers.pivots();
-    PetscFunctionBegin;
-    if (c.blocks.size > 1) PetscCall(MatSeqSBAIJGetArray(c.factor, &inverses));
-    *found = count(c.pivots(), inverses);
-    if (c.blocks.size > 1) PetscCall(MatSeqSBAIJRestoreArray(c.factor, &inverses));
-    PetscFunctionReturn(0);
+PetscInt count_pivots(const NodeCholesky& c, const Count (&of_size)[3]) {
+    return of_size[c.blocks.size - 1](c.pivots(), c.values.get());
 }
 
 // Blocks that have no inverse in numbers. One that has, however near singular, stays: inverse iteration lives of it.
@@ -252,110 +204,53 @@ PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor
                             u.length.data(),
                             values};
     PetscFunctionBegin;
-    PetscCall(with_rows(c.factor, [&](BlockRows own) {
-        double* held;
-        PetscFunctionBegin;
-        PetscCall(MatSeqSBAIJGetArray(c.factor, &held));
-        if constexpr (size == 1)
-            own = c.numbers.rows();
-        else
-            own.value = held;
-        const double products = maker.make(from, own, c.border / size);
-        if (c.border) take_complement<size>(c, own);
-        if constexpr (size == 1) c.numbers.copy(held);
-        PetscCall(MatSeqSBAIJRestoreArray(c.factor, &held));
-        PetscCall(PetscLogFlops(2.0 * size * size * size * products));
-        PetscFunctionReturn(0);
-    }));
+    const double products = maker.make(from, c.rows(), c.border / size);
+    if (c.border) take_complement<size>(c, c.rows());
+    PetscCall(PetscLogFlops(2.0 * size * size * size * products));
     PetscFunctionReturn(0);
 }
 
-// PETSc's substitutions in natural order, which it sets with the numbers of a factor: those of a matrix of one block.
-PetscErrorCode set_substitutions(Mat factor, PetscInt size) {
-    static _MatOps known[4];
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
     PetscFunctionBegin;
-    if (!known[size].solve) {
-        const PetscInt start[] = {0, 1}, column[] = {0};
-        const PetscScalar triple[] = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}, pair[] = {1.0, 0.0, 0.0, 1.0};
-        MatFactorInfo info;
-        Mat single, made;
-        IS rows, columns;
-        PetscCall(MatFactorInfoInitialize(&info));
-        PetscCall(MatCreate(PETSC_COMM_SELF, &single));
-        PetscCall(MatSetSizes(single, size, size, size, size));
-        PetscCall(MatSetType(single, MATSEQSBAIJ));
-        PetscCall(MatSeqSBAIJSetPreallocationCSR(single, size, start, column, size == 2 ? pair : triple));
-        PetscCall(MatGetFactor(single, MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &made));
-        PetscCall(MatGetOrdering(single, MATORDERINGNATURAL, &rows, &columns));
-        PetscCall((*made->ops->choleskyfactorsymbolic)(made, single, rows, &info));
-        PetscCall((*made->ops->choleskyfactornumeric)(made, single, &info));
-        known[size] = *made->ops;
-        PetscCall(ISDestroy(&rows));
-        PetscCall(ISDestroy(&columns));
-        PetscCall(MatDestroy(&made));
-        PetscCall(MatDestroy(&single));
-    }
-    factor->ops->solve = known[size].solve;
-    factor->ops->solvetranspose = known[size].solvetranspose;
-    factor->ops->forwardsolve = known[size].forwardsolve;
-    factor->ops->backwardsolve = known[size].backwardsolve;
-    // Of single numbers PETSc's halves take roots of pivots, which may be negative.
-    if (size == 1) factor->ops->forwardsolve = factor->ops->backwardsolve = nullptr;
-    factor->assembled = factor->preallocated = PETSC_TRUE;
-    PetscFunctionReturn(0);
-}
-
-PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info) {
-    PetscFunctionBegin;
-    PetscCall(dissect_if_due(F, A, info));
+    PetscCall(dissect_if_due(F, A));
     NodeCholesky* c = of(F);
     const PetscInt size = c->blocks.size;
     const double* values;
-    c->factor->factorerrortype = MAT_FACTOR_NOERROR;
-    c->zero = 0;
+    c->substituted = false;
     PetscCall(MatSeqAIJGetArrayRead(A, &values));
     if (size == 1) PetscCall(make_blocks_of(*c, values, c->singles));
     if (size == 2) PetscCall(make_blocks_of(*c, values, c->pairs));
     if (size == 3) PetscCall(make_blocks_of(*c, values, c->triples));
     PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
-    PetscCall(set_substitutions(c->factor, size));
-    PetscCall(count_pivots(*c, {count_zero<1>, count_zero<2>, count_zero<3>}, &c->zero));
+    c->zero = count_pivots(*c, {count_zero<1>, count_zero<2>, count_zero<3>});
     F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : MAT_FACTOR_NOERROR;
     PetscFunctionReturn(0);
 }
 
-// Forward substitution of `right` into `solution`, and backward from there into `right`.
-PetscErrorCode go_forward(NodeCholesky* c) {
-    if (c->factor->ops->forwardsolve) return (*c->factor->ops->forwardsolve)(c->factor, c->b, c->x);
-    std::copy(c->right.begin(), c->right.end(), c->solution.begin());
-    substitute_forward<1>(c->numbers.rows(), c->solution.data());
-    return 0;
-}
-PetscErrorCode go_backward(NodeCholesky* c) {
-    if (c->factor->ops->backwardsolve) return (*c->factor->ops->backwardsolve)(c->factor, c->x, c->b);
-    std::copy(c->solution.begin(), c->solution.end(), c->right.begin());
-    substitute_backward<1>(c->numbers.rows(), c->right.data());
-    return 0;
+// Calls with the size of a block.
+template <class Visit>
+void with_size(PetscInt size, Visit visit) {
+    if (size == 1) return visit(std::integral_constant<int, 1>{});
+    if (size == 2) return visit(std::integral_constant<int, 2>{});
+    visit(std::integral_constant<int, 3>{});
 }
 
-// Both substitutions of `right` in the place of a large factor, into `solution`; `taken` is whether the factor is one.
-PetscErrorCode substitute_in_place(NodeCholesky* c, bool* taken) {
-    PetscFunctionBegin;
-    *taken = false;
-    if (c->blocks.size != 3) PetscFunctionReturn(0);
-    PetscCall(with_rows(c->factor, [c, taken](BlockRows own) {
-        const std::size_t numbers = 9 * static_cast<std::size_t>(own.start[own.count]);
-        PetscFunctionBegin;
-        *taken = numbers > in_place;
-        if (!*taken) PetscFunctionReturn(0);
-        PetscCall(MatSeqSBAIJGetArray(c->factor, &own.value));
-        std::copy(c->right.begin(), c->right.end(), c->solution.begin());
-        substitute<3>(own, c->solution.data());
-        PetscCall(MatSeqSBAIJRestoreArray(c->factor, &own.value));
-        PetscCall(PetscLogFlops(4.0 * static_cast<double>(numbers)));
-        PetscFunctionReturn(0);
-    }));
-    PetscFunctionReturn(0);
+// Forward substitution of `right` into `solution`, and backward from there into `right`.
+void go_forward(NodeCholesky* c) {
+    if (c->substituted) return c->substitution->forward(c->right.data(), c->solution.data());
+    std::copy(c->right.begin(), c->right.end(), c->solution.begin());
+    with_size(c->blocks.size, [c](auto size) { substitute_forward<size()>(c->rows(), c->solution.data()); });
+}
+void go_backward(NodeCholesky* c) {
+    if (c->substituted) return c->substitution->backward(c->solution.data(), c->right.data());
+    std::copy(c->solution.begin(), c->solution.end(), c->right.begin());
+    with_size(c->blocks.size, [c](auto size) { substitute_backward<size()>(c->rows(), c->right.data()); });
+}
+
+// Both substitutions of `right`, in its place.
+void go_both(NodeCholesky* c) {
+    if (c->substituted) return c->substitution->solve(c->right.data(), c->right.data());
+    with_size(c->blocks.size, [c](auto size) { substitute<size()>(c->rows(), c->right.data()); });
 }
 
 PetscErrorCode solve(Mat F, Vec b, Vec x) {
@@ -370,43 +265,46 @@ PetscErrorCode solve(Mat F, Vec b, Vec x) {
         for (PetscInt d = 0; d < size; ++d) c->right[size * k + d] = from[size * order[k] + d];
     PetscCall(VecRestoreArrayRead(b, &from));
     if (c->border) {
-        PetscCall(go_forward(c));
+        go_forward(c);
         std::fill(c->solution.end() - c->border, c->solution.end(), 0.0);
-        PetscCall(go_backward(c));
-        std::copy(c->right.begin(), c->right.end(), c->solution.begin());
+        go_backward(c);
     } else {
-        bool taken;
-        PetscCall(substitute_in_place(c, &taken));
-        if (!taken) PetscCall((*c->factor->ops->solve)(c->factor, c->b, c->x));
+        go_both(c);
     }
+    PetscCall(PetscLogFlops(4.0 * static_cast<double>(c->numbers())));
     PetscCall(VecGetArrayWrite(x, &to));
     for (PetscInt k = 0; k < n; ++k)
-        for (PetscInt d = 0; d < size; ++d) to[size * order[k] + d] = c->solution[size * k + d];
+        for (PetscInt d = 0; d < size; ++d) to[size * order[k] + d] = c->right[size * k + d];
     PetscCall(VecRestoreArrayWrite(x, &to));
     PetscFunctionReturn(0);
 }
 
 PetscErrorCode inertia(Mat F, PetscInt* negative, PetscInt* zero, PetscInt* positive) {
     NodeCholesky* c = of(F);
-    PetscInt below;
     PetscFunctionBegin;
-    PetscCall(count_pivots(*c, {count_negative<1>, count_negative<2>, count_negative<3>}, &below));
+    const PetscInt below = count_pivots(*c, {count_negative<1>, count_negative<2>, count_negative<3>});
     if (negative) *negative = below;
     if (zero) *zero = c->zero;
     if (positive) *positive = F->rmap->n - c->border - below - c->zero;
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode get_info(Mat F, MatInfoType type, MatInfo* info) {
+PetscErrorCode get_info(Mat F, MatInfoType, MatInfo* info) {
+    const NodeCholesky* c = of(F);
     PetscFunctionBegin;
-    PetscCall(MatGetInfo(of(F)->factor, type, info));
+    *info = MatInfo{};
+    info->block_size = c->blocks.size;
+    info->nz_allocated = info->nz_used = static_cast<PetscLogDouble>(c->numbers());
+    info->memory = static_cast<PetscLogDouble>(c->numbers() * sizeof(double) +
+                                               (c->pattern.column.size() + c->pattern.start.size()) * sizeof(PetscInt));
     PetscFunctionReturn(0);
 }
 
 PetscErrorCode view(Mat F, PetscViewer viewer) {
     PetscFunctionBegin;
     PetscCall(PetscViewerASCIIPrintf(viewer, "  blocks of one node, ordered by minimum degree or dissection\n"));
-    if (of(F)->factor) PetscCall(MatView(of(F)->factor, viewer));
+    PetscCall(PetscViewerASCIIPrintf(viewer, "  %" PetscInt_FMT " unknowns a node, %.0f nonzeros\n", of(F)->blocks.size,
+                                     static_cast<double>(of(F)->numbers())));
     PetscFunctionReturn(0);
 }
 
@@ -438,11 +336,25 @@ PetscErrorCode get_factor(Mat A, MatFactorType type, Mat* F) {
 
 }  // namespace
 
-Mat factor_in_blocks(Mat factor) { return factor->ops->destroy == destroy ? of(factor)->factor : nullptr; }
+bool in_node_blocks(Mat factor) { return factor->ops->destroy == destroy; }
+
+BlockRows factor_rows(Mat factor) { return of(factor)->rows(); }
+PetscInt factor_block_size(Mat factor) { return of(factor)->blocks.size; }
+std::shared_ptr<Substitution> kept_substitution(Mat factor) { return of(factor)->substitution; }
+bool substituted_by_it(Mat factor) { return of(factor)->substituted; }
+
+void substitute_by(Mat factor, std::shared_ptr<Substitution> way) {
+    of(factor)->substitution = std::move(way);
+    of(factor)->substituted = true;
+}
+
+void substitute_in_place(Mat factor, double* x) {
+    with_size(of(factor)->blocks.size, [&](auto size) { substitute<size()>(of(factor)->rows(), x); });
+}
 
 PetscErrorCode keep_border(Mat factor, PetscInt unknowns, PetscInt fields) {
     PetscFunctionBegin;
-    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     of(factor)->border = unknowns;
     of(factor)->fields = fields;
     PetscFunctionReturn(0);
@@ -450,27 +362,27 @@ PetscErrorCode keep_border(Mat factor, PetscInt unknowns, PetscInt fields) {
 
 PetscErrorCode kept_border(Mat factor, PetscInt* unknowns) {
     PetscFunctionBegin;
-    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     *unknowns = of(factor)->border;
     PetscFunctionReturn(0);
 }
 
 PetscErrorCode border_complement(Mat factor, double* complement) {
     PetscFunctionBegin;
-    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     std::copy(of(factor)->complement.begin(), of(factor)->complement.end(), complement);
     PetscFunctionReturn(0);
 }
 
 PetscErrorCode eliminate_inside(Mat factor, const double* inside, double* border) {
     PetscFunctionBegin;
-    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     NodeCholesky* c = of(factor);
     const PetscInt size = c->blocks.size, pivots = c->pivots();
     const PetscInt* order = c->blocks.order.data();
     for (PetscInt k = 0; k < pivots; ++k) std::copy_n(inside + size * order[k], size, c->right.begin() + size * k);
     std::fill(c->right.end() - c->border, c->right.end(), 0.0);
-    PetscCall(go_forward(c));
+    go_forward(c);
     for (PetscInt k = pivots; k < pivots + c->border / size; ++k)
         std::copy_n(c->solution.begin() + size * k, size, border + size * (order[k] - pivots));
     PetscFunctionReturn(0);
@@ -478,13 +390,13 @@ PetscErrorCode eliminate_inside(Mat factor, const double* inside, double* border
 
 PetscErrorCode complete_inside(Mat factor, const double* border, double* inside) {
     PetscFunctionBegin;
-    PetscCheck(factor->ops->destroy == destroy, PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     NodeCholesky* c = of(factor);
     const PetscInt size = c->blocks.size, pivots = c->pivots();
     const PetscInt* order = c->blocks.order.data();
     for (PetscInt k = pivots; k < pivots + c->border / size; ++k)
         std::copy_n(border + size * (order[k] - pivots), size, c->solution.begin() + size * k);
-    PetscCall(go_backward(c));
+    go_backward(c);
     for (PetscInt k = 0; k < pivots; ++k) std::copy_n(c->right.begin() + size * k, size, inside + size * order[k]);
     PetscFunctionReturn(0);
 }

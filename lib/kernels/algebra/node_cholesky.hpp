@@ -4,6 +4,10 @@
 
 #include <petscmat.h>
 
+#include <memory>
+
+#include "algebra/block_factor.hpp"
+
 namespace restshape {
 
 constexpr char NODE_BLOCKS[] = "node_blocks";
@@ -11,8 +15,29 @@ constexpr char NODE_BLOCKS[] = "node_blocks";
 // Makes the solver type known to PETSc, which must have been initialised; calls after the first do nothing.
 PetscErrorCode register_node_cholesky();
 
-// PETSc's own factor in blocks that one of this type is made of, in elimination order; null of other factors.
-Mat factor_in_blocks(Mat factor);
+// Whether a factor is of this type; all that follow want one.
+bool in_node_blocks(Mat factor);
+
+// Its rows in elimination order, and unknowns a node.
+BlockRows factor_rows(Mat factor);
+PetscInt factor_block_size(Mat factor);
+
+// What substitutes in elimination order in the place of a factor's own rows, whose numbers it has copied.
+struct Substitution {
+    virtual ~Substitution() = default;
+    virtual void solve(const double* b, double* x) = 0;  // x may be b
+    virtual void forward(const double* b, double* x) = 0;
+    virtual void backward(const double* b, double* x) = 0;
+};
+
+// Has a factor substitute so until it is made again; the last one told on this pattern, null before; and whether it has
+// the factor's present numbers.
+void substitute_by(Mat factor, std::shared_ptr<Substitution> way);
+std::shared_ptr<Substitution> kept_substitution(Mat factor);
+bool substituted_by_it(Mat factor);
+
+// Solves by the factor's own rows for all unknowns x in elimination order, which are the right side before.
+void substitute_in_place(Mat factor, double* x);
 
 // Has a factor of this type, not made yet, keep the last unknowns, whole nodes of them: they are no pivots. Solutions
 // are then those with these unknowns 0. A node has so many unknowns (`fields`), which small patterns do not show.

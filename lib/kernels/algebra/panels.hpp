@@ -20,20 +20,21 @@
 namespace restshape {
 
 // Rows of PETSc's factor U^T D U in blocks of one node, in the order of elimination: those of -U right of the diagonal,
-// and the pivots' inverses. Of single numbers each row ends with its pivot; blocks lie by columns, pivots before all
-// rows.
+// and the pivots' inverses. Blocks lie by columns, pivots before all rows; of single numbers each row of PETSc's ends
+// with its pivot.
 template <class Index>
 struct FactorRows {
     Index count;  // of nodes
     int size;     // unknowns a node
     const Index *start, *column;
+    bool pivot_last = size == 1;  // of its row
 
     const Index* operator[](Index k) const { return column + start[k]; }
-    Index beyond(Index k) const { return start[k + 1] - start[k] - (size == 1); }  // blocks right of the diagonal
+    Index beyond(Index k) const { return start[k + 1] - start[k] - pivot_last; }  // blocks right of the diagonal
     size_t values() const { return static_cast<size_t>(start[count]) * size * size; }
     // Where row r of the diagonal of a node's pivot is.
     size_t pivot(Index k, int r) const {
-        return size == 1 ? start[k + 1] - 1 : (static_cast<size_t>(k) * size + r) * size + r;
+        return pivot_last ? start[k + 1] - 1 : (static_cast<size_t>(k) * size + r) * size + r;
     }
 };
 
@@ -114,7 +115,11 @@ class PanelFactor {
 
     // Throws std::invalid_argument where these are no rows of a complete factor.
     explicit PanelFactor(const Rows& rows)
-        : n_(rows.count * rows.size), size_(rows.size), begin_(rows.start[0]), entries_(rows.values()) {
+        : n_(rows.count * rows.size),
+          size_(rows.size),
+          pivot_last_(rows.pivot_last),
+          begin_(rows.start[0]),
+          entries_(rows.values()) {
         if (size_ < 1 || size_ > 3) throw std::invalid_argument("blocks of a factor have up to three rows");
         for (Index k = 0; k < rows.count; ++k) check(rows, k);
         target_.reserve(rows.start[rows.count]);
@@ -209,7 +214,7 @@ class PanelFactor {
 
     static void check(const Rows& rows, Index k) {
         const Index count = rows.beyond(k);
-        if (count < 0 || (rows.size == 1 && rows[k][count] != k))
+        if (count < 0 || (rows.pivot_last && rows[k][count] != k))
             throw std::invalid_argument("rows of a factor end with their diagonals");
         Index last = k;
         for (Index j = 0; j < count; last = rows[k][j++])
@@ -276,8 +281,7 @@ class PanelFactor {
             for (int row = 0; row < p.width; row += S, ++side, diagonal += S * (p.width + 1)) {
                 for (Index j = 0; j < side->inside; ++j, block += S * S) put<S>(block, to + *target++, p.width);
                 for (Index j = 0; j < side->right; ++j, block += S * S) put<S>(block, to + *target++, p.length);
-                // Of single numbers a row ends with its pivot.
-                put<S>(S == 1 ? block++ : pivot, diagonal, p.width);
+                put<S>(S == 1 && pivot_last_ ? block++ : pivot, diagonal, p.width);
                 pivot += S * S;
             }
         }
@@ -326,7 +330,8 @@ class PanelFactor {
     }
 
     Index n_;
-    int size_;                      // of a node
+    int size_;  // of a node
+    bool pivot_last_;
     size_t begin_, entries_;        // blocks before all rows; entries in all
     std::vector<uint32_t> target_;  // where each block of the rows begins in values_
     std::vector<Side> sides_;

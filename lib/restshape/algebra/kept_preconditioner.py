@@ -73,7 +73,7 @@ class KeptPreconditioner:
         self.ksp, self.choice, self.traits = ksp, choice, traits
         self._named, self._method = named is not None, method
         self.kind = named or ("ilu" if method == "ilu" else traits.factor)
-        self.size = Size(0, 0.0, traits.dimension, fields=traits.fields)
+        self.size = Size(0, 0.0, traits.dimension, fields=traits.fields, sheet=traits.sheet)
         choice.krylov = PETSc.Options(ksp.getOptionsPrefix() or "").getString("ksp_type", "")
         self.chooses = method == "auto" and named is None and bool(choice.candidates(self.size))
         self.candidate: Candidate | None = None
@@ -162,7 +162,8 @@ class KeptPreconditioner:
     def _size_of(self, mat: PETSc.Mat) -> Size:
         filled = mat.getInfo(PETSc.Mat.InfoType.GLOBAL_SUM)["nz_used"]
         blocks = mat.getType() == "seqbaij"
-        return Size(mat.getSize()[0], filled, self.traits.dimension, self.ranks, self.traits.fields, blocks)
+        known = self.traits
+        return Size(mat.getSize()[0], filled, known.dimension, self.ranks, known.fields, blocks, known.sheet)
 
     def begin_system(self, uses: int = 1) -> None:
         """Forget what was made: the system is another one, which has its choice for known uses of each matrix."""

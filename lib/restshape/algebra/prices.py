@@ -7,14 +7,16 @@ from typing import NamedTuple
 
 from restshape.calibration import Calibration
 
-SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE, SINGLE_PRODUCT = 6.0, 1.25, 1.6, 1.45
+SINGLE_SYMBOLIC, SINGLE_NUMERIC, SINGLE_SOLVE, SINGLE_PRODUCT = 2.3, 1.25, 1.6, 1.45
 """Seconds a nonzero of a complete factor, or of a matrix, with one unknown a node over those of one with two, which the
 calibration has: `python scripts/factors.py`, as are those that follow."""
 SINGLE_CYCLE, SINGLE_REFRESH, SINGLE_SETUP = 2.3, 1.4, 1.7
 """The same of algebraic multigrid."""
-PETSC_SYMBOLIC, PETSC_NUMERIC, PETSC_SOLVE = 4.0, 2.2, 1.9
+PETSC_SYMBOLIC, PETSC_NUMERIC, PETSC_SOLVE = 2.3, 2.2, 3.3
 """Of PETSc's incomplete factors, whatever the unknowns a node: a nonzero over one of a complete factor in blocks of a
 node, as was measured with the calibration."""
+SPACE_WORK, SPACE_CYCLE, SPACE_PRODUCT = 3.0, 0.6, 3.4
+"""Of bodies in space over the plane: the growing part of a complete factor, a nonzero of a cycle and of a product."""
 ROW = 14.0
 """Nonzeros of a row in the plane, two unknowns a node, with the first-order triangles that priors were measured on."""
 EXCHANGE, COARSENING = 5e-6, 10.0
@@ -39,6 +41,7 @@ class Size:
         ranks: that share it.
         fields: unknowns a node that the problem declares; 0: those of elastic bodies, as priors were measured on.
         blocks: the matrix is in blocks of a node (BAIJ).
+        sheet: nodes couple along a surface.
     """
 
     unknowns: int
@@ -47,6 +50,7 @@ class Size:
     ranks: int = 1
     fields: int = 0
     blocks: bool = False
+    sheet: bool = False
 
     @property
     def share(self) -> float:
@@ -81,6 +85,7 @@ def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
     """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
     known = _of_incomplete_factors(known) if kind in ("ilu", "icc") else known
     known = _of_single_numbers(known) if size.fields == 1 and kind in ("cholesky", "gamg") else known
+    known = _of_bodies_in_space(known) if size.dimension == 3 and not size.sheet else known
     filled = filled / size.ranks
     work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
     once, product = known.pass_seconds(*work) + exchange_seconds(kind, size), known.matvec_nonzero * work[1]
@@ -170,9 +175,9 @@ class WorkScale(NamedTuple):
     symbolic: float
 
 
-IN_BLOCKS = WorkScale(0.55, 0.75, 0.52, 0.87, 1.0)
+IN_BLOCKS = WorkScale(0.6, 0.5, 0.95, 1.7, 1.8)
 """In blocks of three, by `python scripts/unsymmetric.py`, as are those that follow."""
-BY_POINTS = WorkScale(1.0, 1.0, 1.0, 3.3, 4.0)
+BY_POINTS = WorkScale(3.6, 1.3, 3.9, 4.1, 7.4)
 EXCHANGED = 3.0
 """A factor with exchanges of rows, over one without."""
 DIRECTION = 0.16
@@ -193,6 +198,16 @@ def _of_single_numbers(known: Calibration) -> Calibration:
         gamg_solve_nonzero=SINGLE_CYCLE * known.gamg_solve_nonzero,
         gamg_refresh_nonzero=SINGLE_REFRESH * known.gamg_refresh_nonzero,
         gamg_setup_nonzero=SINGLE_SETUP * known.gamg_setup_nonzero,
+    )
+
+
+@lru_cache(maxsize=4)
+def _of_bodies_in_space(known: Calibration) -> Calibration:
+    return replace(
+        known,
+        numeric_work=SPACE_WORK * known.numeric_work,
+        gamg_solve_nonzero=SPACE_CYCLE * known.gamg_solve_nonzero,
+        matvec_nonzero=SPACE_PRODUCT * known.matvec_nonzero,
     )
 
 

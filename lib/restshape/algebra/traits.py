@@ -13,6 +13,7 @@ class Traits:
             the diagonal, as those with a pressure do.
         fields: unknowns a node, on which the fill of factors hangs.
         dimension: 2 for bodies in the plane, 3 for bodies and sheets in space: what patterns of nodes are like.
+        sheet: in space, nodes couple along a surface: work on a factor grows as in the plane.
         rigid_motions: rigid motions of the body are nearly in the null space; else constants are.
         rate: matrices are those of steps in time, whose rate term makes them better conditioned than steady ones.
     """
@@ -23,6 +24,7 @@ class Traits:
     dimension: int = 2
     rigid_motions: bool = True
     rate: bool = False
+    sheet: bool = False
 
     @property
     def factor(self) -> str:

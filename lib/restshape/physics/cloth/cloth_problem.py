@@ -543,7 +543,7 @@ class ClothProblem(SteadyProblem):
     @staticmethod
     def traits(plan: Plan) -> Traits:
         """What it declares of its linear systems, under any plan."""
-        return Traits(fields=3, dimension=3, rigid_motions=ClothProblem.rigid_motions)
+        return Traits(fields=3, dimension=3, sheet=True, rigid_motions=ClothProblem.rigid_motions)
 
     @staticmethod
     def blank_fields(space: Mesh) -> Fields:
