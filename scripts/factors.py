@@ -105,7 +105,7 @@ def products(X: np.ndarray, cells: np.ndarray) -> dict[str, float]:
 
 
 def nonzero_seconds(side: int, fields: int) -> dict[str, float]:
-    """Seconds a nonzero of a plate of side x side nodes, or a box with three unknowns a node: of its complete factor, of its grids, of its matrix."""
+    """Seconds a nonzero of a plate, or a box with three unknowns a node: of its factor, of its grids, of its matrix."""
     system = plate_system(*(box(side) if fields == 3 else plate(side)), fields)
     filled, factor = measure_factor(system, "cholesky")
     grids, gamg = measure_gamg(system)

@@ -96,7 +96,7 @@ def box(side: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class PlateSystem(NamedTuple):
-    """The matrix of a plate or a box that a side holds, a vector, a right side; the operator holds the matrix's numbers."""
+    """The matrix of a plate or a box that a side holds, a vector, a right side; the operator holds its numbers."""
 
     mat: PETSc.Mat
     x: PETSc.Vec
