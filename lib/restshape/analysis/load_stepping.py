@@ -10,9 +10,9 @@ from restshape.algebra.newton_convergence import Outcome
 
 log = logging.getLogger("restshape.analysis")
 
-SHORTEST = 2.0**-10
-"""The shortest step, as a part of the load. A column that is pushed aside by 1e-4 of its load takes steps of 2^-9 past
-its buckling load, and of 2^-10 on the way to three times as much. By 2e-5 of its load it is lost before twice."""
+SHORTEST = 2.0**-12
+"""The shortest step, as a part of the load. A column that is pushed aside by 1e-4 of its load takes steps of 2^-11 past
+its buckling load. By 2e-5 of its load or less it may be lost there."""
 SEARCHED = 2.0**-5
 """Steps as short as this are tried again with line search."""
 EASY = 6
