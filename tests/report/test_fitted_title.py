@@ -6,9 +6,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from restshape.report.fitted_title import fits, fitted
 from restshape.report.style import new_figure
 
-LONG = (
-    "a bar of steel that somebody has sawn, filed and drilled, and hung up on two cords in a workshop for all to hear"
-)
+LONG = "a bar of steel that somebody has sawn, filed and drilled, and hung up on two cords in a workshop to be heard"
 
 
 @pytest.mark.parametrize("inches", [3.0, 6.0])
