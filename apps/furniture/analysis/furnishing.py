@@ -15,7 +15,7 @@ from restshape_apps.furniture.guidance.design import Design, DesignDirection, fi
 from restshape_apps.furniture.guidance.doubts import free
 from restshape_apps.furniture.guidance.suggested import Suggestion, SuggestionList
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, encode_ranges
-from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.physics.derivatives import stability_values
 from restshape_apps.furniture.physics.furniture import LOST, Forces, Furniture, TestResult
 from restshape_apps.furniture.physics.joint_compliance import (
     UtilisationRange,
@@ -169,8 +169,7 @@ class FurnitureAnalysis(Timeless):
             for k, joint in enumerate(furniture.piece.joints):
                 for plank in (joint.i, joint.j):
                     self.utilisation[plank] = max(self.utilisation[plank], worst[k])
-        still = np.zeros((1, 8 * planks))
-        rows = [stability_derivative(furniture, still, case)[0] for case in range(len(self.forces))]
+        rows = [stability_values(furniture, case) for case in range(len(self.forces))]
         self.stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
         self.utilisation_range = utilisation_range_at(furniture, self.gamma)
         self.free = free(furniture.moved(self.gamma)) if self.result.valid else ()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from restshape_apps.furniture.physics.derivatives import stability_derivative
+from restshape_apps.furniture.physics.derivatives import stability_values
 from restshape_apps.furniture.physics.furniture import LOST, Furniture
 from restshape_apps.furniture.physics.plank_bending import overbent, plank_bending
 from restshape_apps.furniture.physics.plank_quantities import Observed, plank_quantities
@@ -35,8 +35,7 @@ def violated_limits(piece: Piece, quantities: Mapping[str, Quantity], bending: b
         return ()
     limited = {name: quantities[name] for name in limits}
     cases = range(len(furniture.cases))
-    still = np.zeros((1, 8 * len(piece.planks)))
-    rows = [stability_derivative(furniture, still, case)[0] for case in cases]
+    rows = [stability_values(furniture, case) for case in cases]
     stability_margin = float(min((row.min() for row in rows if len(row)), default=np.nan))
     deflection, found = np.full(len(piece.planks), np.nan), {}
     places = {place_of(one)[0] for one in limited.values() if one.deflection}

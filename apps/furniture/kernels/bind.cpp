@@ -13,6 +13,7 @@
 #include "many_springs.hpp"
 #include "mixed.hpp"
 #include "overlap.hpp"
+#include "stability_rows.hpp"
 
 namespace py = pybind11;
 using namespace pybind11::literals;
@@ -201,6 +202,14 @@ py::tuple stability_rows(Furniture& f, const Doubles& directions, int c) {
     return py::make_tuple(array(values), array(rows));
 }
 
+Output stability(Furniture& f, int c) {
+    require(c >= 0 && c < static_cast<int>(f.piece().cases.size()), "there is no such case");
+    const State state = f.state();
+    std::vector<double> rows;
+    StabilityRows<double>(state.piece, state.equilibrium, state.shape, c, rows);
+    return array(rows);
+}
+
 std::unique_ptr<ManySprings> many_springs(const Furniture& f, const Doubles& compliances) {
     require(compliances.ndim() == 2 && compliances.shape(1) == 3, "compliances must be (m, 3)");
     std::vector<Springs> springs;
@@ -334,7 +343,10 @@ PYBIND11_MODULE(_kernels, m) {
         .def("derivative", &derivative, "directions"_a, "case"_a,
              "Derivatives of the last test's equilibrium along design directions (m, 8 n).")
         .def("stability_rows", &stability_rows, "directions"_a, "case"_a,
-             "How far each tipping edge and friction are from giving way, and their derivatives (m, rows).")
+             "How far each tipping edge and friction of the piece as it is are from giving way, and the derivatives "
+             "(m, rows).")
+        .def("stability", &stability, "case"_a,
+             "How far each tipping edge and friction are from giving way (rows,) at the last test.")
         .def(
             "freedoms", [](Furniture& f, double step) { return valid_freedoms(f.piece(), step); }, "step"_a = 1e-2,
             "Plank and number (0 to 7) of each design parameter that is valid.")

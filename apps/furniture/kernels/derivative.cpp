@@ -62,13 +62,18 @@ Derivatives DesignDerivative::solve(int load_case) {
 
 Rows DesignDerivative::stability(int load_case, std::vector<double>& values) {
     values.clear();
-    StabilityRows<double>(S.piece, S.equilibrium, S.shape, load_case, values);
-    Rows out(m_, values.size());
+    Rows out(m_, 0);
     std::vector<Design> rows;
     for (int first = 0; first < m_; first += lanes) {
         shape(first);
         rows.clear();
         StabilityRows<Design>(S.piece, S.equilibrium, shape_, load_case, rows);
+        if (first == 0) {
+            // Values come from the same hulls as derivatives: on those of another shape, or of other rounding, there
+            // may be other rows.
+            for (const Design& row : rows) values.push_back(row.v);
+            out.resize(m_, values.size());
+        }
         for (size_t k = 0; k < rows.size(); ++k)
             for (int lane = 0; lane < used(first); ++lane) out(first + lane, k) = rows[k].d[lane];
     }

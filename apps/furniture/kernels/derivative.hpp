@@ -27,7 +27,8 @@ class DesignDerivative {
     // The geometry must be that of the piece as it is, and the state of the case its equilibrium.
     Derivatives solve(int load_case);
 
-    // Derivatives (m, rows) of the rows of stability; their values in `values`.
+    // Derivatives (m, rows) of the rows of stability of the piece as it is; their values in `values`, none without
+    // directions.
     Rows stability(int load_case, std::vector<double>& values);
 
  private:

@@ -52,13 +52,21 @@ def force_derivative(furniture: Furniture, directions: np.ndarray, case: int = 0
 
 
 def stability_derivative(furniture: Furniture, directions: np.ndarray, case: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """What holds a piece down, (r,) and its derivatives (m, r) along design directions (m, 8 n).
+    """What holds a piece down, (r,) as `stability_values`, and its derivatives (m, r) along design directions (m, 8 n).
+
+    Both are at no change of its design parameters, whatever was tested last.
+    """
+    return furniture.kernel.stability_rows(directions, case)
+
+
+def stability_values(furniture: Furniture, case: int = 0) -> np.ndarray:
+    """What holds a piece down (r,) at the last test.
 
     One number for each edge of the hull of a part's contacts: the loads' moment about it in parts of weight times
     size; and one for friction where loads push sideways: mu less the ratio of the forces. All are positive in a
     piece that neither tips nor slides.
     """
-    return furniture.kernel.stability_rows(directions, case)
+    return furniture.kernel.stability(case)
 
 
 def predicted(furniture: Furniture, modes: DesignModes, direction: np.ndarray, case: int = 0) -> np.ndarray:

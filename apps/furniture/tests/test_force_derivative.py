@@ -2,12 +2,19 @@
 
 import numpy as np
 import pytest
-from restshape_apps.furniture.physics.derivatives import force_derivative, predicted, stability_derivative
+from restshape_apps.furniture.physics.derivatives import (
+    force_derivative,
+    predicted,
+    stability_derivative,
+    stability_values,
+)
 from restshape_apps.furniture.physics.furniture import Compliance, Furniture
 from restshape_apps.furniture.pieces import bookshelf, shelf_1, stool_chair, table
 from restshape_apps.furniture.shape.design_modes import DesignModes
-from restshape_apps.furniture.small_pieces import stool
+from restshape_apps.furniture.small_pieces import bench, stool
 
+ABOUT_X = 3
+"""The number of the turn about a plank's own x among its design parameters."""
 STEPS = np.array([4e-3, 2e-3, 1e-3])
 
 
@@ -58,10 +65,26 @@ def test_stability_has_second_order_remainders() -> None:
     remainders = []
     for step in 0.25 * STEPS:
         furniture.test(step * gamma)
-        now = stability_derivative(furniture, modes.directions)[0]
+        now = stability_values(furniture)
         assert len(now) == len(base)
         remainders.append(float(np.abs(now - base - step * weights @ change).max()))
     assert orders(remainders) == pytest.approx(2.0, abs=0.15)
+
+
+def test_stability_has_the_edges_of_what_was_tested_and_its_derivative_those_of_the_piece() -> None:
+    """A leg that is turned back until its end lies as the other's: the hull of both loses some of its edges."""
+    straight = Furniture(bench(leg=0.02))
+    gamma = np.zeros((3, 8))
+    gamma[1, ABOUT_X] = 0.2
+    furniture = Furniture(straight.moved(gamma))
+    furniture.test()
+    turned = stability_values(furniture)
+    furniture.test(-gamma)
+    straight.test()
+    assert stability_values(furniture) == pytest.approx(stability_values(straight))
+    assert len(stability_values(furniture)) == 4 < len(turned)
+    values, change = stability_derivative(furniture, np.eye(24))
+    assert values == pytest.approx(turned) and change.shape == (24, len(turned))
 
 
 def test_the_rows_of_stability_are_reactions_of_a_tripod() -> None:
