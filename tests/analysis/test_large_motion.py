@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from large import LARGE, gravity
-from small_scenes import across, drag, make_replay, rows_of, write_script
+from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, tower
 
 from restshape.errors import ReplayProblem
@@ -120,3 +120,44 @@ def test_a_failed_step_leaves_the_motion_as_it_was(tmp_path):
     np.testing.assert_array_equal(analysis.x, x)
     np.testing.assert_array_equal(analysis.v, v)
     assert analysis.time == time
+
+
+BAND = """
+format = "restshape-scene"
+version = 1
+app = "moving"
+[shape]
+outline = ["bottom", "right", "top", "left"]
+vertices = { a = [0, 0], b = [0.15, 0], c = [0.15, 0.05], d = [0, 0.05] }
+edges.bottom = { line = ["a", "b"] }
+edges.right = { line = ["b", "c"] }
+edges.top = { line = ["c", "d"] }
+edges.left = { line = ["d", "a"] }
+holes.hole = { circle = { center = [0.05, 0.025], radius = 0.01 } }
+[material.rubber]
+E = 1e6
+nu = 0.4999
+rho = 1100
+thickness = 0.02
+[effects]
+solid = { model = "plane_strain" }
+large_deformation = {}
+gravity = {}
+dynamics = { time_step = 1e-3, steps = 10 }
+[supports.wall]
+on = "left"
+fix = ["x", "y"]
+[mesh]
+size = 0.02
+"""
+
+
+def test_a_nearly_incompressible_motion_that_is_refused_names_nu(tmp_path):
+    """Nodes that move change volumes: with nu = 0.45 the same drag goes through."""
+    moved = drag("hole", (0.05, 0.025), across((0.05, 0.025), (0.1, 0.025), 8))
+    script = write_script(tmp_path, [{"do": "idle", "frames": 5}, *moved])
+    refused, shown = (
+        [row["refused"] for row in rows_of(make_replay(write_scene(tmp_path, BAND), script, overrides=given))]
+        for given in ([], ["material.rubber.nu=0.45"])
+    )
+    assert any("or nu while the shape moves, which changes volumes" in why for why in refused) and not any(shown)

@@ -189,9 +189,10 @@ class NonlinearTransientAnalysis(TransientAnalysis):
             outcome = newton.solve(x, goal, scale, searched=True, rounding=rounded).after(outcome)
             why = problem.objection(x) or outcome.why
             if why:
-                raise ReplayProblem(
-                    f"no state is found at {time:.6g} s: {why}; make {problem.time_step_key} smaller, or the load"
-                )
+                mend = f"make {problem.time_step_key} smaller, or the load"
+                if problem.nested is not problem:
+                    mend += ", or nu while the shape moves, which changes volumes"
+                raise ReplayProblem(f"no state is found at {time:.6g} s: {why}; {mend}")
         residual = max(self.state.residual, outcome.norm / scale if scale else 0.0)
         self.state = replace(self.state, scale=scale, residual=residual)
         self._set_motion(scheme.after(state, x - problem.boundary.values))
