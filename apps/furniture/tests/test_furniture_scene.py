@@ -260,3 +260,9 @@ def test_the_reach_of_joints_goes_into_the_piece(tmp_path):
     piece = piece_of(scene)
     assert piece.reach == 0.025
     assert restated(piece, scene, revise(scene, "joints.reach", "30 mm")).reach == 0.03
+
+
+def test_supports_of_others_are_refused_with_what_to_do(tmp_path):
+    with pytest.raises(UserError, match="knows no direction 'x'") as caught:
+        load_scene(write_bench(tmp_path, BENCH + '[supports.wall]\non = "left"\nfix = ["x"]\n'))
+    assert caught.value.do.startswith("leave it out, or use app = ")

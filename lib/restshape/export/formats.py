@@ -46,7 +46,7 @@ def write_shape(kind: str, frame: EditedFrame, mesh: FrameMesh | None, out: Path
         left = _points_left_out(frame.outline, "a body in STEP")
         regions = frame.outline.names("region")
         left += [f"left out, for a body in STEP has no regions: {', '.join(regions)}"] if regions else []
-        return ([f"a face {FLAT}"] if thickness is None else []) + left
+        return ([f"a face {FLAT}, or one by a formula"] if thickness is None else []) + left
     else:
         assert mesh is not None, "a surface is that of a mesh"
         return write_mesh(kind, mesh, out, thickness_over(frame.scene, mesh.X) if mesh.flat else None)

@@ -45,7 +45,7 @@ def _error(
 ) -> UserError:
     """The error of a key that another application has."""
     own = names_of(application.physics, what)
-    if what == "direction":
+    if what == "direction" and own:
         do = f"use some of: {', '.join(own)}"
     elif what.endswith("kind") and own:
         do = f'use one of: {", ".join(own)}, or app = "{other.name}"'
