@@ -11,6 +11,9 @@ from restshape_studies.accuracy.grid import Grid, Places
 from restshape.analysis.analysis import Analysis
 from restshape.replay.columns import quantity_column, quantity_names
 
+THREE_POINTS = np.array([[1.0, 1.0], [4.0, 1.0], [1.0, 4.0]]) / 6.0
+"""Of a rule of degree 2 over a triangle: a dilatation of second order times the area is no more, on curves too."""
+
 
 @dataclass(frozen=True)
 class State:
@@ -27,6 +30,7 @@ class State:
         stiffness: (ne, 4) moduli of the energy, as of `SteadyProblem.energy_moduli`, and, of what moves, mass [kg/m^2]
             of each cell; None without a displacement, and of cloth.
         large: strains are Green's, for the deformation is large.
+        averaged: cells have one dilatation each, the mean.
         row: of the frame.
         curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of cloth [1/m].
         sheet: (ne, 2, 3, 3) its stiffness against strains [N/m] and curvatures [N m]. None of what is no cloth, both.
@@ -44,6 +48,7 @@ class State:
     row: dict[str, Any]
     curvature: np.ndarray | None = None
     sheet: np.ndarray | None = None
+    averaged: bool = False
 
     @property
     def quantities(self) -> dict[str, float]:
@@ -76,7 +81,21 @@ def state_of(analysis: Analysis, outline: np.ndarray, row: dict[str, Any]) -> St
         found.large,
         dict(row),
     )
-    return replace(state, curvature=found.curvature, sheet=found.sheet)
+    return replace(state, curvature=found.curvature, sheet=found.sheet, averaged=found.averaged)
+
+
+def strains_of(state: State, places: Places) -> np.ndarray:
+    """Strains (m, 2, 2) of its displacement at places of its grid, with the dilatation that its elements take there."""
+    strain = strains(places.gradient(state.displacement), state.large)
+    if not state.averaged:
+        return strain
+    parts, cells = np.zeros((2, len(state.grid.cells))), np.arange(len(state.grid.cells))
+    for point in THREE_POINTS:
+        inside = Places(state.grid, cells, np.tile(point, (len(cells), 1)))
+        own = strains(inside.gradient(state.displacement), state.large)
+        parts += inside.area * np.trace(own, axis1=1, axis2=2), inside.area
+    lacking = (parts[0] / parts[1])[places.cells] - np.trace(strain, axis1=1, axis2=2)
+    return strain + 0.5 * lacking[:, None, None] * np.eye(2)
 
 
 def strains(gradient: np.ndarray, large: bool) -> np.ndarray:
@@ -120,7 +139,7 @@ class Sampled:
         if state.velocity is not None:
             v = places.field(state.velocity)
         if state.displacement is not None:
-            u, strain = places.field(state.displacement), strains(places.gradient(state.displacement), state.large)
+            u, strain = places.field(state.displacement), strains_of(state, places)
         shapes = np.stack([places.field(shape) for shape in state.shapes]) if len(state.shapes) else state.shapes[:, :0]
         curvature = None if state.curvature is None else state.curvature[places.cells]
         return cls(u, strain, v, state.values, shapes, state.quantities, curvature)

@@ -25,7 +25,7 @@ class Solution:
         shapes: (modes, n, d) fields of the modes.
         moduli: (ne, 3) as of `SteadyProblem.energy_moduli`; None where the energy is not of that form.
         mass: (ne,) [kg/m^2] of the cells, of what has inertia; else None.
-        large: strains are Green's.
+        large: strains are Green's; averaged: elements take the means of their dilatation.
         curvature: (ne, 3, 3) second derivatives xx, yy and twice xy of each coordinate of a sheet [1/m], else None.
         sheet: (ne, 2, 3, 3) its stiffness against strains [N/m] and curvatures [N m], else None.
     """
@@ -42,6 +42,7 @@ class Solution:
     large: bool = False
     curvature: np.ndarray | None = None
     sheet: np.ndarray | None = None
+    averaged: bool = False
 
 
 def moduli_of(problem: SteadyProblem) -> np.ndarray | None:

@@ -267,7 +267,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         first = problem.unknowns[0]
         # Others, such as a pressure, have another unit: they are in no norm with it.
         field = self.x[:, : len(first.components)].copy()
-        return Solution(first.name, field, moduli=moduli_of(problem), large=not problem.linear)
+        averaged = problem.nested is not problem
+        return Solution(first.name, field, moduli=moduli_of(problem), large=not problem.linear, averaged=averaged)
 
     def fields(self) -> Fields:
         """What a recording shows of the last solution."""

@@ -275,7 +275,8 @@ class TransientAnalysis:
     def solution(self) -> Solution:
         """The unknowns and, of second order in time, their rates, and what their energies are measured by."""
         state, problem, name = self.state, self.problem, self.problem.unknowns[0].name
-        found = Solution(name, self.x.copy(), moduli=moduli_of(problem), large=not problem.linear)
+        large, averaged = not problem.linear, problem.nested is not problem
+        found = Solution(name, self.x.copy(), moduli=moduli_of(problem), large=large, averaged=averaged)
         if state.integration.scheme.order < 2:
             return found
         mass = np.array(np.broadcast_to(state.body.mass.params, (len(problem.space.cells), 1)))[:, 0]

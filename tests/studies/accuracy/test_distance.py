@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from restshape_studies.accuracy.distance import Reference, spectral
 from restshape_studies.accuracy.grid import Grid
-from restshape_studies.accuracy.state import Sampled, State
+from restshape_studies.accuracy.state import Sampled, State, state_of
 
+from restshape.interface.first_frame import first_frame
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.scene.model import MeshSpec, ShapeSpec
@@ -140,3 +141,46 @@ def test_a_reference_survives_its_file(tmp_path):
         again.solution.v, held.solution.v
     )
     assert again.solution.quantities == {"a": 1.0} and again.spectrum == ""
+
+
+RUBBER = """
+format = "restshape-scene"
+version = 1
+app = "plane"
+[shape]
+outline = ["bottom", "outer", "left", "inner"]
+vertices = { a = [1, 0], b = [2, 0], c = [0, 2], d = [0, 1] }
+edges.bottom = { line = ["a", "b"] }
+edges.outer = { arc = ["b", "c"], bulge = "tan(pi/8)" }
+edges.left = { line = ["c", "d"] }
+edges.inner = { arc = ["d", "a"], bulge = "-tan(pi/8)" }
+[material.rubber]
+E = 1e6
+nu = 0.4999
+thickness = 1
+[effects.solid]
+model = "plane_strain"
+[supports]
+below = { on = "bottom", fix = ["y"] }
+beside = { on = "left", fix = ["x"] }
+[loads.inside]
+on = "inner"
+pressure = 1e4
+[mesh]
+size = SIZE
+"""
+
+
+def test_nearly_incompressible_solutions_are_as_far_apart_as_they_are_estimated(tmp_path):
+    """Dilatations at points, times a modulus 5,000 times that of shear, would say 40 times as much."""
+
+    def solved(size):
+        scene = tmp_path / "scene.toml"
+        scene.write_text(RUBBER.replace("SIZE", str(size)))
+        found = first_frame(scene)
+        return state_of(found.analysis, np.zeros((1, 2)), found.row), found.row["estimate"]
+
+    (coarse, estimate), (fine, _) = solved(0.15), solved(0.03)
+    reference = Reference.of(fine)
+    error = reference.distances(reference.sampled(coarse), reference.solution)["energy"]
+    assert coarse.averaged and 0.7 <= estimate / error <= 1.4
