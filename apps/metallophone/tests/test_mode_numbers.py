@@ -1,9 +1,12 @@
-"""Numbers of modes in a sweep: from run to run they follow the modes; from rest they are those of a replay."""
+"""Numbers of modes: in a sweep they follow the modes, from rest they are those of a replay; undo brings them back."""
 
 import json
 
+import numpy as np
 import pytest
 
+import restshape
+from restshape.analysis.mode_tracking import ModeIds
 from restshape.cli.main import main
 
 BENDS = 2
@@ -55,3 +58,23 @@ def test_from_rest_each_run_has_the_numbers_of_a_replay_of_its_own(bar):
 def test_ranks_alone_need_no_note(bar):
     bar.write_text(bar.read_text().replace(f"number = {{ mode = {BENDS} }}\n", ""))
     assert all("numbers" not in note for note in swept(bar)["notes"])
+
+
+def test_undo_and_redo_bring_back_the_numbers_of_modes(bar):
+    """Of a bar that becomes another one in a single frame some modes look like none that there was."""
+    with restshape.open(restshape.load(bar)) as sim:
+        start, first = sim.frame.row["mode_ids"], sim.frame.quantities["number"]
+        with sim.press("a") as hand:
+            hand.to("140 mm", 0)
+        lost = sim.frame.row["mode_ids"]
+        assert lost != start
+        back = sim.undo()
+        assert back.row["mode_ids"] == start and back.quantities["number"] == pytest.approx(first, rel=5e-3)
+        assert sim.redo().row["mode_ids"] == lost and sim.undo().row["mode_ids"] == start
+
+
+def test_recalled_ids_are_had_once():
+    ids = ModeIds(np.array([7, 2, 8, 3]), 9)
+    found = ids.recalled(np.array([1, 2, 3]), np.array([0, 1, 2]))
+    assert found.ids.tolist() == [1, 2, 3, 9] and found.free == 10
+    assert ids.ids.tolist() == [7, 2, 8, 3]

@@ -64,6 +64,7 @@ class ModalAnalysis(Timeless):
         self.state = ModalState(plan, scene)
         self._estimate, self._hanging = FrequencyEstimate(), HangingColumns()
         self._unchanged_frames = 0
+        self._recalled: np.ndarray | None = None
 
     @property
     def predictor(self) -> ModalPrediction:
@@ -106,17 +107,31 @@ class ModalAnalysis(Timeless):
         rebind = before.interrupted or mesh is not before.space or frame.scene is not before.scene
         versions = (mesh.topology, mesh.geometry)
         if not (rebind or before.predicted or versions != (before.topology, before.geometry)):
+            self._recalled = None
             return self._unchanged(frame)
         try:
             self.state = self._solve(frame, rebind)
         except (ReplayProblem, UserError):
-            self.state = replace(before, interrupted=True)
+            self.state, self._recalled = replace(before, interrupted=True), None
             # The next frame binds a body, and begins with modes on its nodes.
             self.solver.restart(None)
             raise
         if self.state.report.inertia_checked:
             self.verified.update(mesh)
         return self._report()
+
+    @property
+    def recalling(self) -> ModalAnalysis:
+        """Itself, for modes that large edits have thrown off their places have lost their ids."""
+        return self
+
+    def kept_answer(self) -> np.ndarray:
+        """The ids (modes,) of the modes that the scene asks for, by rank."""
+        return self.state.ids.copy()
+
+    def recall(self, kept: np.ndarray) -> None:
+        """Give modes of the next frame the ids (modes,) that they had by rank."""
+        self._recalled = kept
 
     def observe(self) -> dict[str, float]:
         """The scene's quantities of interest at the state."""
@@ -228,6 +243,8 @@ class ModalAnalysis(Timeless):
             # In a frame of a drag the mass changes little.
             sizes = pencil.norms(previous) if rebind and len(previous) else np.ones(len(previous))
             ids = search.ids(found, state.modes.ids, previous, sizes)
+            if self._recalled is not None:
+                ids, self._recalled = ids.recalled(self._recalled, found.chosen), None
         mesh = frame.mesh
         state = replace(state, scene=frame.scene, space=mesh, topology=mesh.topology, geometry=mesh.geometry)
         return replace(state.solved_for(found, ids), interrupted=False)

@@ -62,6 +62,21 @@ class ModeIds:
         """The same where mode k is what was mode order[k]."""
         return ModeIds(self.ids[order], self.free)
 
+    def recalled(self, known: np.ndarray, chosen: np.ndarray) -> ModeIds:
+        """Ids of which chosen modes have those that they had on this shape; others that have one of these get new ones.
+
+        Args:
+            known: (k,) ids that there were, by rank.
+            chosen: (m,) indices of these modes now, by rank.
+        """
+        count = min(len(known), len(chosen))
+        ids, free = self.ids.copy(), self.free
+        ids[chosen[:count]] = known[:count]
+        others = np.setdiff1d(np.arange(len(ids)), chosen[:count])
+        for column in others[np.isin(ids[others], known[:count])]:
+            ids[column], free = free, free + 1
+        return ModeIds(ids, free)
+
     def track(self, before: np.ndarray, after: np.ndarray, mass_products: np.ndarray, sizes: np.ndarray) -> ModeIds:
         """The ids of the modes of a frame: of those before that look most like them, whose signs they take.
 

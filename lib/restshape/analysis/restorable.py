@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
@@ -62,8 +62,8 @@ class RecallingAnalysis(Protocol):
     Its attribute `recalling` is the analysis itself.
     """
 
-    def kept_answer(self) -> KeptUnknowns:
-        """The answer that it has."""
+    def kept_answer(self) -> KeptAnswer:
+        """What it needs of the answer that it has."""
 
-    def recall(self, kept: KeptUnknowns) -> None:
-        """Let the search of the next frame start from an answer that there was, where the mesh has the same cells."""
+    def recall(self, kept: Any) -> None:
+        """Let the next frame find an answer that there was, of which this was kept."""

@@ -12,7 +12,7 @@ from restshape.mesh.advance import NO_CELLS, MeshUpdate
 
 if TYPE_CHECKING:
     from restshape.algebra.linear_report import LinearReport
-    from restshape.analysis.restorable import KeptAnswer, KeptUnknowns, RecallingAnalysis, RestorableAnalysis
+    from restshape.analysis.restorable import KeptAnswer, RecallingAnalysis, RestorableAnalysis
     from restshape.mesh.moving import MovingMesh
     from restshape.mesh.moving_state import KeptMesh
     from restshape.policy import Policy
@@ -49,7 +49,8 @@ class Returns:
     """Keeps the answers that undo and redo may return to.
 
     An answer that hangs on the way to it, such as that of cloth with friction, would not be found again by a solve; one
-    of several, such as that of a solid that has snapped through, only where the solve starts near it.
+    of several, such as that of a solid that has snapped through, only where the solve starts near it. Modes have the
+    ids that they had.
 
     Args:
         parts: of the replay.
@@ -107,7 +108,7 @@ class Returns:
             return None
         kept = self._kept.get(_identity(edit))
         if kept is not None and self._recalling is not None:
-            self._recalling.recall(cast("KeptUnknowns", kept.answer))
+            self._recalling.recall(kept.answer)
         if kept is None or kept.mesh is None or self._restorable is None:
             return None
         moving = self._moving
