@@ -107,7 +107,7 @@ class BlocksFactor {
         rows_ = {own.count, static_cast<int>(restshape::factor_block_size(mat)), own.start, own.column, false};
         values_ = own.value;
     }
-    bool known(bool single) const { return fits(rows_, single); }
+    bool known(bool single) const { return values_ && fits(rows_, single); }
     const double* values() const { return values_; }
     PetscInt unknowns() const { return rows_.count * rows_.size; }
 

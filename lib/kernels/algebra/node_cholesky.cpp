@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <new>
 
 #include "algebra/block_factor.hpp"
 #include "algebra/block_substitution.hpp"
@@ -72,22 +73,36 @@ PetscErrorCode with_pattern(Mat A, const Use& use) {
     PetscFunctionReturn(0);
 }
 
+// Makes what PETSc has asked for, which is C: nothing may be thrown through it. A factor gives no numbers until
+// it is made, which PETSc tries anew after this error alone.
+template <class Make>
+PetscErrorCode within_memory(Mat F, const Make& make) {
+    F->factorerrortype = MAT_FACTOR_NUMERIC_ZEROPIVOT;
+    try {
+        return make();
+    } catch (const std::bad_alloc&) {
+        SETERRQ(PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for a factor in blocks of nodes");
+    }
+}
+
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
 
+// Without values until all is there.
 PetscErrorCode lay_out(Mat F, Mat A, Elimination by) {
     NodeCholesky* c = of(F);
     PetscFunctionBegin;
+    c->substitution.reset();
+    c->substituted = false;
+    c->values.reset();
     PetscCall(with_pattern(A, [&](const Pattern& a) {
         const PetscInt size = block_size(a, c->fields);
         PetscCheck(c->border % size == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks keeps whole nodes");
         return make_blocks(a, size, &c->blocks, c->border / size, by);
     }));
     c->pattern = factor_pattern(c->blocks);
-    c->values.reset(new double[c->numbers()]);
     c->right.resize(A->rmap->n);
     c->solution.resize(A->rmap->n);
-    c->substitution.reset();
-    c->substituted = false;
+    c->values.reset(new double[c->numbers()]);
     F->ops->choleskyfactornumeric = numeric;
     PetscFunctionReturn(0);
 }
@@ -95,7 +110,8 @@ PetscErrorCode lay_out(Mat F, Mat A, Elimination by) {
 PetscErrorCode symbolic(Mat F, Mat A, IS, const MatFactorInfo*) {
     PetscFunctionBegin;
     of(F)->made = 0;
-    PetscCall(lay_out(F, A, Elimination::minimum_degree));
+    PetscCall(within_memory(F, [&] { return lay_out(F, A, Elimination::minimum_degree); }));
+    F->factorerrortype = MAT_FACTOR_NOERROR;
     PetscFunctionReturn(0);
 }
 
@@ -210,10 +226,12 @@ PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
-    PetscFunctionBegin;
-    PetscCall(dissect_if_due(F, A));
+PetscErrorCode make_numbers(Mat F, Mat A) {
     NodeCholesky* c = of(F);
+    PetscFunctionBegin;
+    // Memory has not held the order before.
+    if (!c->values) PetscCall(lay_out(F, A, Elimination::minimum_degree));
+    PetscCall(dissect_if_due(F, A));
     const PetscInt size = c->blocks.size;
     const double* values;
     c->substituted = false;
@@ -224,6 +242,12 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
     PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
     c->zero = count_pivots(*c, {count_zero<1>, count_zero<2>, count_zero<3>});
     F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : MAT_FACTOR_NOERROR;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
+    PetscFunctionBegin;
+    PetscCall(within_memory(F, [&] { return make_numbers(F, A); }));
     PetscFunctionReturn(0);
 }
 

@@ -18,7 +18,7 @@ PetscErrorCode register_node_cholesky();
 // Whether a factor is of this type; all that follow want one.
 bool in_node_blocks(Mat factor);
 
-// Its rows in elimination order, and unknowns a node.
+// Its rows in elimination order, without values where it has not been made, and unknowns a node.
 BlockRows factor_rows(Mat factor);
 PetscInt factor_block_size(Mat factor);
 

@@ -1,0 +1,62 @@
+"""A complete factor that memory does not hold is an error of PETSc's, and is made once memory holds it."""
+
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = """
+import ctypes
+import resource
+import numpy as np
+from petsc4py import PETSc
+from restshape import _kernels
+from restshape.algebra.preconditioner import order_factor
+from restshape.measurement import box, plate_system
+
+# What is freed goes back: M_MMAP_MAX and M_MMAP_THRESHOLD of the C library.
+ctypes.CDLL(None).mallopt(-4, 65536)
+ctypes.CDLL(None).mallopt(-3, 1 << 20)
+system = plate_system(*box(17), 3)
+system.mat.setOption(PETSc.Mat.Option.SPD, True)
+pc = PETSc.PC().create(PETSc.COMM_SELF)
+pc.setType("cholesky")
+order_factor(pc)
+pc.setOperators(system.mat)
+pc.setFactorSetUpSolverType()
+assert not _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+for _ in range({before}):
+    system.mat.scale(2.0)
+    pc.setOperators(system.mat)
+    pc.setUp()
+# Nothing besides what the process has.
+soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+system.mat.scale(2.0)
+pc.setOperators(system.mat)
+resource.setrlimit(resource.RLIMIT_AS, (1 << 20, hard))
+try:
+    pc.setUp()
+    code = 0
+except PETSc.Error as error:
+    code = error.ierr
+finally:
+    resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+assert code == 55, code
+assert not _kernels.solve_by_panels(pc.getFactorMatrix().handle)
+if {before}:
+    # PETSc takes it for made.
+    pc.apply(system.b, system.x)
+    assert not system.x.norm() < np.inf
+system.mat.scale(2.0)
+pc.setOperators(system.mat)
+pc.apply(system.b, system.x)
+left = (system.mat * system.x - system.b).norm() / system.b.norm()
+assert left < 1e-11, left
+"""
+
+
+@pytest.mark.cli
+@pytest.mark.parametrize("before", [0, 2], ids=["the first one", "the one that is dissected"])
+def test_a_factor_that_memory_does_not_hold_is_made_later(before):
+    done = subprocess.run([sys.executable, "-c", PROGRAM.format(before=before)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
