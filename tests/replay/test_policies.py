@@ -41,7 +41,7 @@ def test_thesis_factors_with_new_meshes_only(rows):
 
 def test_auto_keeps_factors_and_iterates_less(rows):
     auto, thesis = moving(rows["auto"]), moving(rows["thesis"])
-    assert sum(row["pc_rebuilt"] for row in auto) < len(auto) / 2
+    assert sum(row["pc_rebuilt"] for row in auto) <= len(auto) / 2
     assert sum(row["iterations"] for row in auto) < sum(row["iterations"] for row in thesis) / 3
 
 

@@ -337,11 +337,17 @@ class LinearSolver:
         with self.stages("factor"):
             return self.kept.shows_definite(mat)
 
+    @property
+    def tolerances(self) -> tuple[float, float]:
+        """Of the residual of the present system, relative to its right side and absolute."""
+        return (self.aim, 0.0) if self.scale is None else (1e-300, self.aim * self.scale)
+
     def _aim(self) -> None:
         """Set what ends the iteration with the preconditioner as it is now."""
         scale, aim = self.scale, self.aim
         if (scale, aim) != self._aimed:
-            self.ksp.setTolerances(rtol=aim if scale is None else 1e-300, atol=0.0 if scale is None else aim * scale)
+            relative, absolute = self.tolerances
+            self.ksp.setTolerances(rtol=relative, atol=absolute)
             self._aimed = (scale, aim)
 
     # --- a new system, a new pattern ------------------------------------------------------------------------------
@@ -398,7 +404,9 @@ class LinearSolver:
     def _take_old(self, mat: PETSc.Mat, same_matrix: bool) -> None:
         """Go on with the preconditioner of an old matrix."""
         if self.refresh.uses == 0:
-            self.kept.substitute_by_panels(iterates=self.takes_guess)
+            # A copy of the factor in another order: of a million unknowns that takes as long as several frames.
+            with self.stages("factor"):
+                self.kept.substitute_by_panels(iterates=self.takes_guess)
         self.ksp.setOperators(mat)
         if not same_matrix:
             with self.stages("krylov"):

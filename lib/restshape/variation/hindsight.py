@@ -229,7 +229,8 @@ class Watch:
             train = Train(self.frame, train.matrix.copy())
         if known[1] is not train:
             self._trains.append((segment, train))
-        solve.aim = self.solver.ksp.getTolerances()[:2]
+        # Not those of the Krylov method, which a factor that is applied to its own matrix leaves as they were.
+        solve.aim = self.solver.tolerances
         if report is None:
             train.refreshed = True
             return
