@@ -94,7 +94,7 @@ def test_few_frames_are_estimated_and_say_what_the_others_are_off_by(tmp_path, m
     """Beside frames each of which is estimated of itself, with its residual; no time pays for samples on the way."""
     events, found, steps = far((0.24, 0.1), rest=0, frames=16), {}, []
     slow = Calibration.load()
-    units = {name: 150.0 * value for name, value in slow.__dict__.items() if name != "machine"}
+    units = {name: 220.0 * value for name, value in slow.__dict__.items() if name != "machine"}
     for when in ("auto", "every"):
 
         def counted(*arguments, when=when):
@@ -125,7 +125,7 @@ def test_a_hand_that_moves_on_leaves_the_fine_solve_at_a_step(tmp_path):
     """On a machine that the calibration says to be slow the rest pays for some steps: the hand moves on before more."""
     events = far((0.22, 0.1), (0.225, 0.1), rest=8)
     slow = Calibration.load()
-    units = {name: 150.0 * value for name, value in slow.__dict__.items() if name != "machine"}
+    units = {name: 220.0 * value for name, value in slow.__dict__.items() if name != "machine"}
     rows, found = shown(tmp_path, HANGING, events, calibration=replace(slow, **units))
     first = next(k for k, row in enumerate(rows) if row["event"] == "drag" and row["line"] == 5)
     rest = " ".join(row["idle_work"] for row in rows[:first])
@@ -151,7 +151,7 @@ def test_a_fine_solve_that_falls_is_no_correction(tmp_path, monkeypatch):
     """Where steps of the fine cloth have led far from what is shown, frames are as without them."""
     events = far((0.22, 0.1), (0.225, 0.1), rest=8, released=False)
     slow = Calibration.load()
-    units = {name: 150.0 * value for name, value in slow.__dict__.items() if name != "machine"}
+    units = {name: 220.0 * value for name, value in slow.__dict__.items() if name != "machine"}
     found = {}
     for way in (None, 0.2, 1e-4):
 

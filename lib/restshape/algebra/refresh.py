@@ -6,7 +6,7 @@ from restshape.algebra.prices import Prices
 
 MOST_AHEAD = 15
 """Refreshes ahead in a row, before an old preconditioner is tried again."""
-SLACK, TRIAL = 0.005, 1.3
+SLACK, TRIAL = 0.01, 1.5
 """Part, and refreshes, that old preconditioners may cost beyond a new one for each solve before none is tried."""
 
 
