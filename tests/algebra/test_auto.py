@@ -11,6 +11,7 @@ from small_scenes import across, drag, make_replay, plate, rows_of, write_scene,
 from restshape import _kernels, measurement
 from restshape.algebra.candidates import CHOLESKY, GAMG, ICC, ILU
 from restshape.algebra.choice import Choice
+from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
 from restshape.algebra.prices import Size, prices
@@ -43,6 +44,18 @@ def test_in_the_plane_a_complete_factor_is_best_while_memory_holds_it():
     """On the plate a level-1 frame of 1,000,000 unknowns takes 0.6 of the time that one with multigrid takes."""
     names = [Choice(NOMINAL)(plane(n)).name for n in (500, 2_000, 8_000, 20_000, 200_000, 1_000_000, 5_000_000)]
     assert names == 6 * ["cholesky"] + ["gamg"]
+
+
+def test_in_space_multigrid_is_best_from_some_ten_thousand_unknowns_on_of_sheets_later():
+    """Work on a factor of a sheet grows as in the plane."""
+    found = {}
+    for sheet in (False, True):
+        choice = Choice(NOMINAL, traits=Traits(fields=3, dimension=3, sheet=sheet))
+        sizes = [Size(n, 42.0 * n, 3, fields=3, sheet=sheet) for n in (1_000, 5_000, 13_000, 40_000)]
+        found[sheet] = [choice(size).name for size in sizes]
+    assert found[False] == ["cholesky", "cholesky", "gamg", "gamg"]
+    assert found[True][:3] == 3 * ["cholesky"]
+    assert KeptPreconditioner(PETSc.KSP().create(), choice, choice.traits, None, "auto").size.sheet
 
 
 def test_a_factor_larger_than_memory_is_never_chosen():
