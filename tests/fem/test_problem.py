@@ -31,6 +31,7 @@ DEFAULTS = {
     "blank_fields",
     "cell_scalars",
     "definite",
+    "nested",
     "rigid_motions",
     "start",
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
     import numpy as np
@@ -65,5 +65,5 @@ class RecallingAnalysis(Protocol):
     def kept_answer(self) -> KeptAnswer:
         """What it needs of the answer that it has."""
 
-    def recall(self, kept: Any) -> None:
+    def recall(self, kept: KeptAnswer) -> None:
         """Let the next frame find an answer that there was, of which this was kept."""
