@@ -15,6 +15,7 @@ from restshape.errors import UserError, printable
 from restshape.replay.cell_types import CELL_TYPES
 from restshape.replay.columns import ALIASES, SIMULATED, renamed
 from restshape.replay.containment import refuse_other_files
+from restshape.replay.journal import Unfinished, finish_journal
 from restshape.replay.layout import (
     DamagedRecording,
     bad,
@@ -87,10 +88,20 @@ class Recording:
             raise UserError("there is no such recording", str(self.path), "restshape replay SCENE --out FILE makes one")
         for attempt in range(_ATTEMPTS):
             try:
+                finish_journal(self.path)
                 return h5py.File(self.path, "r")
             except BlockingIOError:
                 # A writer that was just killed holds its lock until the system has buried it.
                 time.sleep(_PAUSE if attempt + 1 < _ATTEMPTS else 0.0)
+            except Unfinished as error:
+                what = (
+                    "its writer was killed while it wrote, and the rest of that waits in the file, which is read-only"
+                )
+                raise UserError(
+                    what, str(self.path), "open it once where it may be written: chmod u+w, or a copy"
+                ) from error
+            except PermissionError as error:
+                raise UserError("this file may not be read", str(self.path), "chmod u+r allows it") from error
             except OSError as error:
                 if "truncated" in str(error):
                     raise DamagedRecording("this recording is cut off", self.path) from error

@@ -4,8 +4,8 @@
 what that format speaks about, so its readers leave it alone. Arrays of all frames are concatenated, frames say where
 theirs start. Cells are stored once a topology; points and fields that repeat the last bytes are not stored again.
 
-The file survives the death of its writer: HDF5's own metadata stay in memory between flushes, a flush brings the data,
-then `NSteps` is raised, and another flush brings that. The older superblock has no mark "open" that would bar the file.
+The file survives the death of its writer: HDF5's own metadata stay in memory between commits, a commit brings the data
+and then all metadata together (`journal`). The older superblock has no mark "open" that would bar the file.
 """
 
 import errno
@@ -26,10 +26,13 @@ from restshape.outputs.kinds import RecordingFile
 from restshape.outputs.locks import Lock
 from restshape.replay.frame_data import FrameData
 from restshape.replay.growable_array import Growing
+from restshape.replay.journal import JournaledFile, lock
 
 VERSION = (2, 0)
 FORMAT = 1
 STATUS_BYTES = 64
+ROOM = 2 << 20
+"""Bytes that are reserved beyond what a batch takes: for HDF5's metadata, and for their journal."""
 PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 
 
@@ -94,8 +97,9 @@ class VtkHdfWriter:
             _remove_left(path)
             self._part: Path | None = None
             self._part, self._space = new_part(path)
-            # By its descriptor, not its name, which another program could have taken meanwhile.
-            self.file = h5py.File(f"/proc/self/fd/{self._space}", "w", libver=("earliest", "v110"), rdcc_nbytes=0)
+            lock(self._space)
+            self._writes = JournaledFile(self._space)
+            self.file = h5py.File(self._writes, "w", libver=("earliest", "v110"), rdcc_nbytes=0)
         except BaseException:
             self._lock.release()
             raise
@@ -250,17 +254,23 @@ class VtkHdfWriter:
         datasets = self._datasets()
         self._check_place()
         self._reserve(sum(d.pending_bytes for d in datasets))
-        for dataset in datasets:
-            dataset.write()
+        with self._writes.direct():
+            for dataset in datasets:
+                dataset.write()
+        self.steps.attrs.modify("NSteps", np.int64(self.frames))
         self.file.flush()
-        if self.frames:
-            self.steps.attrs.modify("NSteps", np.int64(self.frames))
-            self.file.flush()
-            if self._part is not None:
-                # Open handles stay with the file, whatever its name.
-                os.replace(self._part, self.path)
-                self._part = None
-        self._size = self.file.id.get_filesize()
+        self._settle()
+        if self.frames and self._part is not None:
+            # Open handles stay with the file, whatever its name.
+            os.replace(self._part, self.path)
+            self._part = None
+
+    def _settle(self) -> None:
+        try:
+            self._writes.settle()
+        except OSError as error:
+            raise NoRoom(error.errno, error.strerror) from error
+        self._size = self._writes.end
 
     def _check_place(self) -> None:
         """Makes sure that the file is where its readers look for it.
@@ -284,7 +294,7 @@ class VtkHdfWriter:
         """
         chunks = sum(int(np.prod(d.dataset.chunks)) * d.dataset.dtype.itemsize for d in self._datasets())
         size = os.fstat(self._space).st_size
-        need = self.file.id.get_filesize() + pending + chunks + (1 << 20)
+        need = self._writes.end + pending + chunks + ROOM
         if need > size:
             try:
                 os.posix_fallocate(self._space, size, need - size)
@@ -296,9 +306,9 @@ class VtkHdfWriter:
         self._status[()] = status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES)
         for name, value in written.items():
             self.own.attrs[f"writer_{name}"] = value
-        self.file.flush()
-        size = self.file.id.get_filesize()
         self.file.close()
+        self._settle()
+        size = self._size
         os.ftruncate(self._space, size)
         try:
             self._check_place()
@@ -310,7 +320,7 @@ class VtkHdfWriter:
     def abandon(self, status: str) -> None:
         """Leaves the file as the last `commit` made it, with this status; the process must end without closing it."""
         self._lock.release()
-        if self._discard():
+        if self._discard() or self._writes.settling:
             return
         os.ftruncate(self._space, self._size)
         os.pwrite(self._space, status.encode()[:STATUS_BYTES].ljust(STATUS_BYTES), self._status.id.get_offset())
