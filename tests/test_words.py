@@ -47,6 +47,7 @@ ALLOWED = {
     ("lib/restshape/replay/columns.py", "broken"): "the name that version 0.1 gave the column",
     ("lib/restshape/replay/columns.py", "deepest"): "the name that version 0.1 gave the column",
     ("lib/restshape/replay/good_frames.py", "tell"): "a method of files",
+    ("lib/restshape/replay/journal.py", "tell"): "a method of files",
     ("scripts/stamps.py", "sound"): "a WAV file",
     ("tests", "held"): "compared, constrained, kept",
     ("apps/furniture/tests", "held"): "grabbed",

@@ -23,7 +23,13 @@ class Disk:
     def __init__(self, monkeypatch):
         self.writes, self.commits = [], []
         put = journal._put
-        monkeypatch.setattr(journal, "_put", lambda file, write: (self.writes.append(write), put(file, write)))
+
+        def kept(file, write):
+            # HDF5 uses its buffers again.
+            self.writes.append(journal.Write(write.start, bytes(write.data)))
+            put(file, write)
+
+        monkeypatch.setattr(journal, "_put", kept)
 
     def after(self, writer):
         """A commit has ended."""
@@ -116,7 +122,7 @@ def unfinished(tmp_path, monkeypatch):
     for image, _, _ in disk.images(every=1):
         path.write_bytes(image)
         with path.open("rb") as file:
-            if journal._held_in(file) is not None:
+            if journal._journal_in(file) is not None:
                 return path
     raise AssertionError("no journal waits")
 
@@ -144,7 +150,7 @@ def test_a_journal_of_a_living_writer_is_left_alone(unfinished, monkeypatch):
 
 
 @pytest.mark.parametrize("place", [-1, -20, -30, -200])
-def test_a_damaged_journal_is_not_carried_out(unfinished, place):
+def test_a_damaged_journal_does_nothing(unfinished, place):
     data = bytearray(unfinished.read_bytes())
     data[place if place != -1 else -24] ^= 1
     unfinished.write_bytes(data)

@@ -1,7 +1,7 @@
 """Writes that reach a file together or not at all, however the process ends that makes them.
 
 HDF5 overwrites its metadata in place, some tens of writes a flush; a process that is killed between two of them leaves
-a file that HDF5 cannot read, or reads wrongly. So they are held back, written behind the end of what HDF5 uses as one
+a file that HDF5 cannot read, or reads wrongly. So they wait in memory, are written behind the end of what HDF5 uses as one
 journal, and only then to their places. A journal that is whole and was not finished is finished by the next reader.
 
 Source: write-ahead logging with redo, J. Gray and A. Reuter, Transaction Processing (1993), section 9.
@@ -36,7 +36,7 @@ class Unfinished(OSError):
 
 
 class JournaledFile:
-    """A file object for HDF5 that holds back what is written outside of `direct`, until `settle`.
+    """A file object for HDF5 that keeps what is written outside of `direct` in memory, until `settle`.
 
     Args:
         descriptor: of a file open for reading and writing, which stays open.
@@ -48,7 +48,7 @@ class JournaledFile:
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
-        self._held: list[Write] = []
+        self._pending: list[Write] = []
         self._directly = False
         self._position = 0
         self.end = 0
@@ -78,7 +78,7 @@ class JournaledFile:
         got = max(min(self._size() - start, len(view)), 0)
         found = os.pread(self._descriptor, got, start)
         view[: len(found)] = found
-        for write in self._held:
+        for write in self._pending:
             first, last = max(write.start, start), min(write.start + len(write.data), start + got)
             if first < last:
                 view[first - start : last - start] = write.data[first - write.start : last - write.start]
@@ -91,7 +91,7 @@ class JournaledFile:
         if self._directly:
             _put(self._descriptor, Write(self._position, data))
         else:
-            self._held.append(Write(self._position, bytes(data)))
+            self._pending.append(Write(self._position, bytes(data)))
         self._position += count
         return count
 
@@ -113,28 +113,28 @@ class JournaledFile:
             self._directly = False
 
     def settle(self) -> None:
-        """Makes all held writes, together or not at all.
+        """Makes all writes that wait, together or not at all.
 
         Raises:
-            OSError: no room for the journal: the file is as it was, and the writes are still held.
+            OSError: no room for the journal: the file is as it was, and the writes still wait.
         """
-        if not self._held:
+        if not self._pending:
             return
-        journal = b"".join(_ENTRY.pack(write.start, len(write.data)) + write.data for write in self._held)
+        journal = b"".join(_ENTRY.pack(write.start, len(write.data)) + write.data for write in self._pending)
         footer = _FOOTER.pack(_MARK, len(journal), zlib.crc32(journal))
-        used = max(self.end, *(write.start + len(write.data) for write in self._held))
+        used = max(self.end, *(write.start + len(write.data) for write in self._pending))
         size, need = os.fstat(self._descriptor).st_size, used + len(journal) + len(footer)
         if need > size:
             os.posix_fallocate(self._descriptor, size, need - size)
         start = max(size, need) - len(journal) - len(footer)
         _put(self._descriptor, Write(start, journal + footer))
         self.settling = True
-        _finish(self._descriptor, self._held, start + len(journal))
+        _finish(self._descriptor, self._pending, start + len(journal))
         self.settling = False
-        self._held = []
+        self._pending = []
 
     def _size(self) -> int:
-        reach = max((write.start + len(write.data) for write in self._held), default=0)
+        reach = max((write.start + len(write.data) for write in self._pending), default=0)
         return max(os.fstat(self._descriptor).st_size, reach)
 
 
@@ -161,7 +161,7 @@ def finish_journal(path: Path) -> None:
         OSError: it cannot be read or written.
     """
     with path.open("rb") as file:
-        if _held_in(file) is None:
+        if _journal_in(file) is None:
             return
     try:
         opened = path.open("r+b")
@@ -169,7 +169,7 @@ def finish_journal(path: Path) -> None:
         raise Unfinished(error.errno, error.strerror, str(path)) from error
     with opened:
         lock(opened.fileno())
-        if (found := _held_in(opened)) is not None:
+        if (found := _journal_in(opened)) is not None:
             _finish(opened.fileno(), found.writes, found.footer)
 
 
@@ -178,7 +178,7 @@ class _Journal(NamedTuple):
     footer: int
 
 
-def _held_in(file: BinaryIO) -> _Journal | None:
+def _journal_in(file: BinaryIO) -> _Journal | None:
     """The journal of a file and where its footer is; None without a whole one."""
     place = os.fstat(file.fileno()).st_size - _FOOTER.size
     if place < 0:
