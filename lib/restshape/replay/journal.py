@@ -1,8 +1,8 @@
 """Writes that reach a file together or not at all, however the process ends that makes them.
 
 HDF5 overwrites its metadata in place, some tens of writes a flush; a process that is killed between two of them leaves
-a file that HDF5 cannot read, or reads wrongly. So they wait in memory, are written behind the end of what HDF5 uses as one
-journal, and only then to their places. A journal that is whole and was not finished is finished by the next reader.
+a file that HDF5 cannot read, or reads wrongly. So they wait in memory, are written behind the end of what HDF5 uses as
+one journal, and only then to their places. A whole journal whose writes were not all made is completed by a reader.
 
 Source: write-ahead logging with redo, J. Gray and A. Reuter, Transaction Processing (1993), section 9.
 """
