@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from restshape.live.kept_marks import of_answers
-from restshape.live.shape_marks import shape_marks
+from restshape.live.shape_marks import marks_of_answer
 from restshape.live.shown_marks import Mark, Meaning, Words
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @of_answers
 def buckling_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a solid."""
-    marks, frame = shape_marks(simulation), simulation.frame
+    marks, frame = marks_of_answer(simulation), simulation.frame
     if "mu_1" not in frame.row or not simulation.replay.solver.known:
         return marks
     factor = float(frame.row["mu_1"])

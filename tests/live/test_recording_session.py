@@ -155,7 +155,7 @@ def test_a_recording_has_the_marks_of_its_scene_where_the_session_had_them(recor
         assert one == other, name
         assert here[name].keys() & {"moved", "nodes"}
     # Extremes are said at the same places.
-    said = [[one for one in of["marks"] if one["kind"] == "words" and one["at"]] for of in (frame, shown)]
+    said = [[one for one in of["marks"] if one["kind"] == "value"] for of in (frame, shown)]
     assert said[0] and all(one in said[1] for one in said[0])
     viewer.say("show", marks=False)
     assert viewer.of("frame")[-1]["marks"] == []
@@ -180,7 +180,7 @@ def test_a_recording_shows_what_the_application_says_beside_it(recorded):
         marks = known_marks(viewer, number)
         assert viewer.of("frame")[-1]["number"] == number
         # All but where their arrays lie in the message.
-        said = ("kind", "name", "text", "meaning", "words")
+        said = ("kind", "name", "text", "meaning", "words", "node", "unit")
         pair = (marks, there[number]["marks"])
         plain = [[{key: one.get(key) for key in said} for one in of] for of in pair]
         assert plain[0] == plain[1] and len(plain[0]) > 3

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from operator import is_
 from pathlib import Path
 from types import SimpleNamespace
@@ -18,7 +19,7 @@ from restshape.live.kept_marks import kept
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shape_surface import mode_of
-from restshape.live.shown_marks import Arrows, Lines, Words, shown_with
+from restshape.live.shown_marks import Arrows, Lines, NodeValue, Words, shown_with
 from restshape.outputs.si_numbers import si
 
 BRACKET = Path(__file__).parents[2] / "docs" / "examples" / "bracket.toml"
@@ -64,19 +65,35 @@ def test_an_extreme_is_said_where_the_field_has_it(bracket):
     names = [name for name, one in bracket.scene.quantities.items() if one.reduce == "max" and one.kind == "stress"]
     assert names
     for name in names:
-        (words,) = (one for one in marks_of(bracket, Words) if one.text.startswith(f"{name} "))
-        node = int(((frame.mesh.points - words.at) ** 2).sum(axis=1).argmin())
-        assert np.array_equal(frame.mesh.points[node], words.at)
-        assert frame.von_mises[node] == pytest.approx(frame.quantities[name], rel=1e-12)
-        assert np.array_equal(words.moved, frame.displacement[node])
+        (value,) = (one for one in marks_of(bracket, NodeValue) if one.name == name)
+        assert frame.von_mises[value.node] == pytest.approx(frame.quantities[name], rel=1e-12)
+        assert value.unit == "Pa"
 
 
-def test_an_extreme_is_said_with_its_estimated_error():
+def test_the_value_of_an_extreme_is_the_same_mark_until_it_is_at_another_node(bracket):
+    with bracket.press("window", at=[0.1, 0.06]) as hand:
+        found = []
+        for step in range(12):
+            hand.to(0.1, 0.06 + 0.0015 * step)
+            found.append(marks_of(bracket, NodeValue))
+        hand.to(0.1, 0.06)
+    same = [[a is b for a, b in zip(*pair)] for pair in pairwise(found)]
+    moved = [[a.node != b.node for a, b in zip(*pair)] for pair in pairwise(found)]
+    assert all(one is not other for pair in zip(same, moved) for one, other in zip(*pair))
+    assert any(map(any, same)) and any(map(any, moved))
+
+
+def test_an_extreme_is_said_with_its_estimated_error_where_the_page_has_not_all_nodes(bracket):
     scene = restshape.load(BRACKET, *COARSE, "quantities.stress_at_window.max='1 GPa'")
     with restshape.open(scene) as simulation:
         error = simulation.frame.row["stress_at_window_error"]
-        (words,) = (one.text for one in marks_of(simulation, Words) if one.text.startswith("stress_at_window "))
-    assert error > 0 and words.endswith(f"(error {si(error, 'Pa', 2)})")
+        seen = SeenFrame.of(simulation)
+        hidden = type("SkinOnly", (SeenFrame,), {"all_nodes_drawn": False})
+        skin = hidden(seen.frame, seen.scene, seen.space, seen.deformed, seen.solved)
+        (words,) = (one for one in ExtremeMarks()(skin) if one.text.startswith("stress_at_window "))
+        (value,) = (one for one in ExtremeMarks()(seen) if one.name == "stress_at_window")
+    assert error > 0 and words.text.endswith(f"(error {si(error, 'Pa', 2)})")
+    assert words.at == seen.space.X[value.node].tolist() and words.moved == seen.deformed[value.node].tolist()
 
 
 def test_an_extreme_is_found_among_the_values_that_are_known(bracket):

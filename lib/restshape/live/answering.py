@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from restshape.live.live_recording import LiveRecording
     from restshape.live.live_simulation import Event, LiveSimulation
 
+ASIDE = (page.SaveMessage, page.RatesMessage)
+"""Messages beside which what comes to rest goes on."""
 MOST_REST = 5_000
 """Frames in which cloth goes on by itself, at most, after something was done."""
 MOST_RUN = 100_000
@@ -110,7 +112,7 @@ class Worker(MessageLoop):
 
     def before(self, message: page.Message) -> None:
         """What comes to rest by itself does so no more."""
-        if not isinstance(message, page.SaveMessage | page.RatesMessage):
+        if not isinstance(message, ASIDE):
             self.end_rest()
         self._rested = 0
 
@@ -141,7 +143,7 @@ class Worker(MessageLoop):
     def _carry_out(self, event: Event, missed: str = "") -> None:
         """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
-        while self.live.go_on():
+        while self.live.step is not None and self.live.go_on():
             if self._cancelled():
                 return
             # What is shown is written down before.

@@ -13,7 +13,7 @@ from restshape.analysis.row_values import number
 from restshape.application import application_of
 from restshape.errors import UserError
 from restshape.findings import OMITTED, Finding
-from restshape.live.shown_marks import Meaning, Words
+from restshape.live.shown_marks import Meaning, NodeValue, Words
 from restshape.replay.columns import error_column, quantity_column
 from restshape.replay.constraints import LIMIT, UNCERTAINTY, formatted_constraint, value_and_bound
 from restshape.replay.rounding import cleared
@@ -21,7 +21,6 @@ from restshape.report.extreme_words import EXTREMES, extreme_words
 from restshape.report.field import IN_CELLS
 
 if TYPE_CHECKING:
-    from restshape.analysis.row_values import RowValues
     from restshape.arrays import Indices, Reals
     from restshape.live.seen_frame import SeenFrame
     from restshape.scene.quantity import Quantity
@@ -61,9 +60,10 @@ class ExtremeMarks:
     def __init__(self) -> None:
         self._bound: tuple[object, object, int] = (None, None, -1)
         self._looked_at: list[LookedAt] = []
-        self._last: list[Words] = []
+        self._last: list[Words | NodeValue] = []
+        self._values: dict[LookedAt, NodeValue] = {}
 
-    def __call__(self, seen: SeenFrame) -> list[Words]:
+    def __call__(self, seen: SeenFrame) -> list[Words | NodeValue]:
         """The words of extremes and of limits of a frame; nothing where it shows no answer."""
         if not seen.solved:
             return []
@@ -71,25 +71,31 @@ class ExtremeMarks:
         quantities, space = seen.scene.quantities, seen.space
         if quantities is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
             self._bound = quantities, space, space.topology
-            self._looked_at = [*_looked_at(seen)]
-        row = seen.frame.row
+            self._looked_at, self._values = [*_looked_at(seen)], {}
+        row, drawn = seen.frame.row, seen.all_nodes_drawn
         findings = _found_on_limits(seen) if row["findings"] else {}
-        marks: list[Words] = []
+        marks: list[Words | NodeValue] = []
         for one in self._looked_at:
             found = findings.pop(one.name, None) if findings else None
             if found is not None:
                 marks.append(_words(_limit_words(found), _meaning(found), self._node(one, seen), seen))
             elif one.field and (node := self._node(one, seen)) is not None:
-                said = _said(one, row) if one.name else _said_of_field(one, seen, node)
-                marks.append(_words(said, "guide", node, seen))
+                marks.append(self._value(one, node) if drawn and one.name else _said(one, seen, node))
         if findings:
             marks += [_words(_limit_words(one), _meaning(one), None, seen) for one in findings.values()]
         # What is said again is the same object: it is not sent to the page again.
         for place, (mark, last) in enumerate(zip(marks, self._last)):
-            if mark.text == last.text and mark == last:
+            if mark is not last and mark == last:
                 marks[place] = last
         self._last = marks
         return marks
+
+    def _value(self, one: LookedAt, node: int) -> NodeValue:
+        """The value of a quantity at a node, which the page writes: the last mark where it is at the same node."""
+        known = self._values.get(one)
+        if known is None or known.node != node:
+            known = self._values[one] = NodeValue(one.name, one.unit, node)
+        return known
 
     def _node(self, one: LookedAt, seen: SeenFrame) -> int | None:
         """The node at which a quantity has its value, or the middle one of the place where it is taken."""
@@ -161,18 +167,16 @@ def values_of(one: LookedAt, seen: SeenFrame) -> tuple[Reals, Indices | None]:
     return (np.linalg.norm(field, axis=1) if one.column is None else field[:, one.column]), nodes
 
 
-def _said_of_field(one: LookedAt, seen: SeenFrame, node: int) -> str:
-    """The largest value of a field."""
+def _said(one: LookedAt, seen: SeenFrame, node: int) -> Words:
+    """A quantity with its value, and its estimated error if there is one; without a quantity the field's largest."""
+    if one.name:
+        row, (of_values, of_errors) = seen.frame.row, one.columns
+        value = number(row, of_values)
+        error = cleared(number(row, of_errors), value) if of_errors in row else nan
+        return _words(extreme_words(one.name, value, error, one.unit), "guide", node, seen)
     values, nodes = values_of(one, seen)
-    return extreme_words("max", float(np.nanmax(values if nodes is None else values[nodes == node])), nan, one.unit)
-
-
-def _said(one: LookedAt, row: RowValues) -> str:
-    """The quantity with its value, and its estimated error where there is one."""
-    of_values, of_errors = one.columns
-    value = number(row, of_values)
-    error = cleared(number(row, of_errors), value) if of_errors in row else nan
-    return extreme_words(one.name, value, error, one.unit)
+    largest = float(np.nanmax(values if nodes is None else values[nodes == node]))
+    return _words(extreme_words("max", largest, nan, one.unit), "guide", node, seen)
 
 
 def _found_on_limits(seen: SeenFrame) -> dict[str, Finding]:

@@ -181,11 +181,14 @@ class Link:
 
     def _send(self, kind: int, pieces: Sequence[Buffer]) -> None:
         """Sends pieces; mostly the system takes all at once, as they are."""
-        whole = [*self._before, HEAD.pack(sum(map(len, pieces)), kind), *pieces]
+        length = sum(map(len, pieces))
+        whole = [*self._before, HEAD.pack(length, kind), *pieces]
+        length += HEAD.size
         if self._before:
+            length += sum(map(len, self._before))
             self._before = []
         count = self._sent(whole if len(whole) <= MOST_PIECES else whole[:MOST_PIECES])
-        if count == sum(map(len, whole)):
+        if count == length:
             return
         left = [memoryview(one) for one in whole if one]
         while left:

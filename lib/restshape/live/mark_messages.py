@@ -7,7 +7,7 @@ from typing import Any
 
 from restshape.interface.plain import plain
 from restshape.live.frame_arrays import MessageBody
-from restshape.live.shown_marks import Arrows, Chart, Lines, Offer, Tone, Words
+from restshape.live.shown_marks import Arrows, Chart, Lines, NodeValue, Offer, Tone, Words
 
 
 def placed(mark: object, body: MessageBody) -> dict[str, object]:
@@ -33,6 +33,10 @@ def _words(mark: Words, body: MessageBody) -> dict[str, object]:
     at = None if mark.at is None else _numbers(mark.at)
     moved = {} if mark.moved is None else {"moved": _numbers(mark.moved)}
     return {"kind": "words", "text": mark.text, "at": at, "meaning": mark.meaning, **moved}
+
+
+def _value(mark: NodeValue, body: MessageBody) -> dict[str, object]:
+    return {"kind": "value"} | vars(mark)
 
 
 def _offer(mark: Offer, body: MessageBody) -> dict[str, object]:
@@ -69,6 +73,7 @@ _SAID: dict[type, Callable[[Any, MessageBody], dict[str, object]]] = {
     Lines: _lines,
     Arrows: _arrows,
     Words: _words,
+    NodeValue: _value,
     Offer: _offer,
     Chart: _chart,
     Tone: _tone,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from operator import mul
+from operator import is_, mul
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
@@ -38,6 +38,7 @@ class MovedMarks:
         self._shift: object = None
         self._known: list[tuple[Mark, Mark]] = []
         self._around: dict[int, int] = {}
+        self._still: Sequence[Mark] = ()
 
     def __call__(self, marks: Sequence[Mark], parts: Sequence[PicturePart]) -> Sequence[Mark]:
         """The marks of a frame as they are drawn on its picture.
@@ -45,8 +46,12 @@ class MovedMarks:
         Args:
             marks: of the application; parts: of the picture, of which the shape moves marks.
         """
-        if not any(map(_left, marks)):
+        if len(marks) == len(self._still) and all(map(is_, marks, self._still)):
             return marks
+        if not any(map(_left, marks)):
+            self._still = marks
+            return marks
+        self._still = ()
         shape = next((one for one in parts if one.role == "shape" and "displacement" in one.arrays), None)
         if shape is None:
             return marks

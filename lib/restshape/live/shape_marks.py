@@ -24,10 +24,15 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
+def marks_of_answer(simulation: Simulation) -> list[Mark]:
+    """The marks of the last frame of a simulation of a shape in the plane, which was not refused."""
+    return kept(simulation, ShapeMarks)(SeenFrame.of(simulation))
+
+
 @of_answers
 def shape_marks(simulation: Simulation) -> list[Mark]:
     """The marks of the last frame of a simulation of a shape in the plane."""
-    return kept(simulation, ShapeMarks)(SeenFrame.of(simulation))
+    return marks_of_answer(simulation)
 
 
 class ShapeMarks:

@@ -101,6 +101,19 @@ class Words:
 
 
 @dataclass(frozen=True)
+class NodeValue:
+    """The value of a quantity beside a node of the mesh: it travels once, and the page writes it in each frame.
+
+    Args:
+        name: of the quantity, whose value and estimated error frames have; unit: SI; node: of the mesh.
+    """
+
+    name: str
+    unit: str
+    node: int
+
+
+@dataclass(frozen=True)
 class Offer:
     """A change that can be clicked, and slid along where it has a range.
 
@@ -160,7 +173,7 @@ class Tone:
     moved: Sequence[float] | None = None
 
 
-Mark = Lines | Arrows | Words | Offer | Chart | Tone
+Mark = Lines | Arrows | Words | NodeValue | Offer | Chart | Tone
 
 
 def shown_with(marks: Sequence[Mark], mode: int) -> list[Mark]:

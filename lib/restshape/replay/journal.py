@@ -4,7 +4,7 @@ HDF5 overwrites its metadata in place, some tens of writes a flush; a process th
 a file that HDF5 cannot read, or reads wrongly. So they wait in memory, are written behind the end of what HDF5 uses as
 one journal, and only then to their places. A whole journal whose writes were not all made is completed by a reader.
 
-Source: write-ahead logging with redo, J. Gray and A. Reuter, Transaction Processing (1993), section 9.
+Source: write-ahead logging with redo, J. Gray and A. Reuter, Transaction Processing (1993), chapter 9.
 """
 
 import errno

@@ -14,8 +14,8 @@ import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../
 import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
 import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
-import { distanceText, errorText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
-import { MarkGroup, type DrawnMark, type Stage } from "../../../lib/restshape/live/page/src/panels/stage";
+import { distanceText, errorText, extremeText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
+import { MarkGroup, type DrawnMark, type Stage, type ValueText, type WordToDraw } from "../../../lib/restshape/live/page/src/panels/stage";
 import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../lib/restshape/live/page/src/panels/ticks";
 import type { FrameMessage, MarkMessage } from "../../../lib/restshape/live/page/src/protocol";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
@@ -31,6 +31,9 @@ test("numbers have SI prefixes as on the console", () => {
   assert.equal(siText(NaN, "Pa"), "–");
   assert.equal(siText(2e9, "m^2"), "2.000e9 m²");
   assert.equal(errorText(2e6, 2e8, "Pa"), "error 2.0 MPa (1.0 %)");
+  assert.equal(extremeText("peak", 240_876_036, -2e6, "Pa"), "peak 240.9 MPa (error 2.0 MPa)");
+  assert.equal(extremeText("peak", 240_876_036, 1e-3, "Pa"), "peak 240.9 MPa (error 0 Pa)");
+  for (const none of [undefined, null, NaN]) assert.equal(extremeText("peak", 240_876_036, none, "Pa"), "peak 240.9 MPa");
   assert.equal(errorText(null, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(Infinity, 1, "Pa"), "no limit under refinement");
   assert.equal(errorText(undefined, 1, "Pa"), "");
@@ -217,9 +220,9 @@ test("how a quantity falls is said beside its arrow", () => {
 test("marks at nodes of the shape lie in their middles, in each frame of it", () => {
   const set: { name: string; points: number[]; moved: number[] | null }[] = [];
   const shape = { points: Float32Array.of(0, 0, 0, 2, 0, 0, 2, 4, 0), shifts: Float32Array.of(0, 0, 0, 0, 0, 1, 0, 2, 1) };
-  const nothing = (): void => undefined;
+  const nothing = (): void => undefined, words: (WordToDraw[] | null)[] = [], said: ValueText = ({ name }) => `${name} ${words.length}`;
   const stage: Stage = {
-    pick: () => Promise.resolve(null), where: () => null, shape: () => shape, setArrows: nothing, setWords: nothing,
+    pick: () => Promise.resolve(null), where: () => null, shape: () => shape, setArrows: nothing, setWords: (_, now) => words.push(now),
     setLines: (name, lines) => { if (lines) set.push({ name, points: [...lines.points], moved: lines.moved && [...lines.moved] }); },
   };
   const arrays = { nodes: Uint32Array.of(0, 1, 1, 2) };
@@ -227,14 +230,24 @@ test("marks at nodes of the shape lie in their middles, in each frame of it", ()
   const read = (): Uint32Array => arrays.nodes;
   const first = taken([line], read, []);
   const group = new MarkGroup(stage, "marks");
-  group.draw(byKind(first).drawn);
+  group.draw(byKind(first).drawn, said);
   assert.deepEqual(set.at(-1), { name: "marks: support", points: [1, 0, 0, 2, 2, 0], moved: [0, 0, 0.5, 0, 1, 1] });
   shape.points[0] = 1;
-  group.follow();
+  group.follow(said);
   assert.deepEqual(set.at(-1)?.points, [1.5, 0, 0, 2, 2, 0]);
+  assert.deepEqual(words, [null]);
+  // So do values of quantities, whose texts change with the frame.
+  const place: MarkMessage = { kind: "words", text: "2 N", at: [0, 0], meaning: "load" };
+  group.draw(byKind(taken([{ kind: "value", name: "peak", unit: "Pa", node: 1 }, place], read, [])).drawn, said);
+  const beside = { text: "peak 1", at: [2, 0, 0], meaning: "guide", moved: [0, 0, 1] };
+  assert.deepEqual(words.at(-1), [{ text: "2 N", at: [0, 0], meaning: "load", moved: undefined }, beside]);
+  shape.shifts[3] = 5;
+  group.follow(said);
+  assert.deepEqual(words.at(-1)?.at(-1), { ...beside, text: "peak 2", moved: [5, 0, 1] });
+  group.draw([], said);
+  assert.equal(words.at(-1), null);
   // A mark that stays is not said again.
-  const words: MarkMessage = { kind: "words", text: "2 N", at: null, meaning: "guide" };
-  const second = taken([null, words], read, first);
+  const second = taken([null, { kind: "words", text: "2 N", at: null, meaning: "guide" }], read, first);
   assert.equal(second[0], first[0]);
   assert.equal(byKind(second).drawn.length, 2);
   assert.equal(taken([null], read, []).length, 0);

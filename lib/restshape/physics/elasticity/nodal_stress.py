@@ -139,7 +139,12 @@ class NodalStress:
         if quantities is not self._named[0] or wanted is not self._named[1]:
             self._named = quantities, wanted, _fields_of(quantities, wanted)
         self._follow(x)
-        found = {field: made(self._result(name)) for field, name in self._named[2]}
+        results, found = self._found, {}
+        for field, name in self._named[2]:
+            self._asked.add(name)
+            if name not in results:
+                self._find(name)
+            found[field] = results[name]
         if STRAIN in wanted:
             strain = self.recovery(np.ascontiguousarray(self.stresses.strain(x, self.recovery.points)))
             found |= {f"{STRAIN}_{name}": strain[:, k] for k, name in enumerate(STRAINS)}

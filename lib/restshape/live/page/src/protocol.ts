@@ -80,6 +80,7 @@ export type MarkMessage =
   | ({ kind: "arrows"; name: string; meaning: string; unit: string; words: string[]; vectors: ArrayPlace;
       tips: boolean[] } & PointPlaces)                                     // tips: of each arrow, whether it ends at its point; empty: none
   | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] }
+  | { kind: "value"; name: string; unit: string; node: number }            // of a quantity in each frame, beside a point of the shape
   | { kind: "offer"; name: string; text: string; events: ScriptEvent[]; slide: ScriptEvent | null; slid: string; lines: MarkMessage[] }
   | { kind: "chart"; name: string; xLabel: string; yLabel: string; curves: { name: string; x: number[]; y: number[] }[];
       at: Record<string, number>; logarithmic: boolean }

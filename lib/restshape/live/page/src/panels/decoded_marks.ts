@@ -46,7 +46,7 @@ function decoded(mark: MarkMessage, read: Frame["read"]): DrawnMark[] {
     const { kind, name, meaning, unit, words, tips } = mark;
     return [{ kind, name, meaning, unit, words, tips, vectors: Float32Array.from(read(mark.vectors)), ...places(mark, read) }];
   }
-  return mark.kind === "words" ? [mark] : [];
+  return mark.kind === "words" || mark.kind === "value" ? [mark] : [];
 }
 
 /** Where the points of a mark are; of one at nodes of the shape room for that. */

@@ -11,7 +11,7 @@ export interface Entry { sign: string; name: string; meaning: string; }
 export function entriesOf(marks: readonly DrawnMark[]): Entry[] {
   const found = new Map<string, Entry>();
   for (const mark of marks) {
-    if (mark.kind === "words" || !mark.name || mark.words.some(Boolean) || !mark.points.length) continue;
+    if (mark.kind === "words" || mark.kind === "value" || !mark.name || mark.words.some(Boolean) || !mark.points.length) continue;
     const dots = mark.kind === "lines" && mark.starts.length === mark.points.length / 3;
     found.set(mark.name, { sign: mark.kind === "arrows" ? "→" : dots ? "●" : "—", name: mark.name, meaning: mark.meaning });
   }

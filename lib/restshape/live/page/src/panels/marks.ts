@@ -3,12 +3,14 @@
 import type { App } from "../app";
 import { Charts } from "./charts";
 import { byKind, taken, type MarksByKind, type TakenMark } from "./decoded_marks";
+import { quantityValue } from "./frame_values";
 import { Offers } from "./offers";
 import { showFrameWords } from "./frame_words";
 import { showLegend } from "./legend";
 import type { Painter } from "./painter";
 import { Sound } from "./sound";
-import { MarkGroup, type Stage } from "./stage";
+import { extremeText } from "./si_text";
+import { MarkGroup, type Stage, type ValueText } from "./stage";
 
 export interface MarkPanels { offers: HTMLElement; charts: HTMLElement; sound: HTMLElement; words: HTMLElement; }
 
@@ -26,14 +28,21 @@ export function showMarks(app: App, stage: Stage, painter: Painter): MarkPanels 
     now = null;
   };
   let known: TakenMark[] = [];
+  const written = new Map<string, string>();           // of quantities beside their places
   app.on("frame", ({ header, read }) => {
+    const text: ValueText = ({ name, unit }) => {
+      const value = quantityValue(header, name);
+      // A refused frame has no value of its own, and shows the answer before it.
+      if (!Number.isNaN(value)) written.set(name, extremeText(name, value, header.errors[name], unit));
+      return written.get(name) ?? name;
+    };
     if (!header.marks) {
-      if (header.parts.some(({ role }) => role === "shape")) group.follow();
+      if (header.parts.some(({ role }) => role === "shape")) group.follow(text);
       return;
     }
     known = taken(header.marks, read, known);
     now = byKind(known);
-    group.draw(now.drawn);                              // with the picture of their frame
+    group.draw(now.drawn, text);                              // with the picture of their frame
     painter.soon(write);
   });
   return { offers: offers.body, charts: charts.body, sound: sound.body, words: words.body };

@@ -41,6 +41,15 @@ export function siText(value: number, unit: string, digits = 4, like = value): s
   return scale.unit ? `${text} ${scale.unit}` : text;
 }
 
+const ROUNDING = 1e-9;                                 // share of a value below which its error is rounding
+
+/** A quantity beside the place of its extreme, with its estimated error where there is one, as pictures of restshape have it. */
+export function extremeText(name: string, value: number, error: number | null | undefined, unit: string): string {
+  const known = typeof error === "number" && Number.isFinite(error);
+  const size = known && Math.abs(error) >= ROUNDING * Math.abs(value) ? Math.abs(error) : 0;
+  return `${name} ${siText(value, unit)}${known ? ` (error ${siText(size, unit, 2)})` : ""}`;
+}
+
 /** An estimated error beside its value: "error 2.1 MPa (0.9 %)"; empty where none is estimated. null: it is infinite. */
 export function errorText(error: number | null | undefined, value: number, unit: string): string {
   if (error === undefined || Number.isNaN(error)) return "";

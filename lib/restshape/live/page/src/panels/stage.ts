@@ -26,9 +26,15 @@ export interface Stage {
 export type DrawnMark =
   | ({ kind: "lines"; name: string; nodes?: Uint32Array } & LinesToDraw)
   | ({ kind: "arrows"; name: string; unit: string; nodes?: Uint32Array } & ArrowsToDraw)
-  | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] };
+  | { kind: "words"; text: string; at: number[] | null; meaning: string; moved?: number[] }
+  | ValueMark;
 
-type AlongShape = Exclude<DrawnMark, { kind: "words" }>;
+/** A quantity whose value is written beside a point of the shape. */
+export interface ValueMark { kind: "value"; name: string; unit: string; node: number; }
+/** What is written of a value. */
+export type ValueText = (mark: ValueMark) => string;
+
+type AlongShape = Extract<DrawnMark, { kind: "lines" | "arrows" }>;
 
 /** Puts the points of a mark into the middles of its nodes. */
 export function place(mark: AlongShape, { points, shifts }: DrawnShape): void {
@@ -48,20 +54,34 @@ export function place(mark: AlongShape, { points, shifts }: DrawnShape): void {
   }
 }
 
+/** The words of a value where its point is. */
+function wordAt(mark: ValueMark, { points, shifts }: DrawnShape, text: ValueText): WordToDraw {
+  const from = 3 * mark.node, to = from + 3;
+  return { text: text(mark), at: [...points.subarray(from, to)], meaning: "guide", moved: [...shifts.subarray(from, to)] };
+}
+
 /** Marks that come and go together: those that are no longer among them are taken away. */
 export class MarkGroup {
   private shown = new Map<string, "lines" | "arrows">();
   private following: [string, AlongShape][] = [];
+  private words: WordToDraw[] = [];
+  private values: ValueMark[] = [];
 
   constructor(private readonly stage: Stage, private readonly name: string) {}
 
-  draw(marks: DrawnMark[]): void {
+  /** text: of values; where there are none it is not asked for. */
+  draw(marks: DrawnMark[], text: ValueText = ({ name }) => name): void {
     const now = new Map<string, "lines" | "arrows">();
     this.following = [];
-    const words: WordToDraw[] = [];
+    this.words = [];
+    this.values = [];
     marks.forEach((mark, index) => {
       if (mark.kind === "words") {
-        if (mark.at) words.push({ text: mark.text, at: mark.at, meaning: mark.meaning, moved: mark.moved });
+        if (mark.at) this.words.push({ text: mark.text, at: mark.at, meaning: mark.meaning, moved: mark.moved });
+        return;
+      }
+      if (mark.kind === "value") {
+        this.values.push(mark);
         return;
       }
       const name = now.has(this.full(mark.name)) ? this.full(`${mark.name} ${index}`) : this.full(mark.name);
@@ -69,24 +89,27 @@ export class MarkGroup {
       if (mark.nodes) this.following.push([name, mark]);
       else this.set(name, mark);
     });
-    this.follow();
+    this.follow(text);
+    if (!this.values.length) this.stage.setWords(this.full("words"), this.words.length ? this.words : null);
     for (const [name, kind] of this.shown) {
       // What is drawn now under the name has taken its place already, whatever its kind was.
       if (now.has(name)) continue;
       if (kind === "lines") this.stage.setLines(name, null);
       else this.stage.setArrows(name, null);
     }
-    this.stage.setWords(this.full("words"), words.length ? words : null);
     this.shown = now;
   }
 
   /** Puts what follows the shape where that is drawn now. */
-  follow(): void {
-    const shape = this.following.length ? this.stage.shape() : null;
+  follow(text: ValueText): void {
+    const shape = this.following.length || this.values.length ? this.stage.shape() : null;
     for (const [name, mark] of this.following) {
       if (shape) place(mark, shape);
       this.set(name, mark);
     }
+    if (!this.values.length) return;
+    const beside = shape ? this.values.map((mark) => wordAt(mark, shape, text)) : [], words = [...this.words, ...beside];
+    this.stage.setWords(this.full("words"), words.length ? words : null);
   }
 
   private set(name: string, mark: AlongShape): void {
