@@ -169,6 +169,26 @@ def test_screen_readers_find_names_and_eyes_find_contrast(browser, bracket_sessi
     live.end()
 
 
+GOAL = "goal.straight={polyline=[[0, 0], ['300 mm', '40 mm'], ['300 mm', '100 mm'], [0, '120 mm']]}"
+SOFT = ("material.steel.E='50 kPa'", "effects.gravity.g=[0, 0]", "loads.weight.force=[0, '-1 N']")
+"""With displacements of more than half the size, which would be drawn smaller than they are."""
+
+
+def test_a_shape_beside_its_goal_is_drawn_where_it_is(session, opened):
+    live = session(BRACKET, settings=(*COARSE, *SOFT, GOAL))
+    page = opened(live)
+    scale, words = page.tab.get_by_label("scale of the deformation", exact=True), page.tab.locator("#bar .extremes")
+    page.until(lambda: " to " in words.inner_text(), "the picture")
+    assert "displacements" not in words.inner_text() and scale.input_value() == "1"
+    # Another scale can be chosen, and is kept.
+    scale.fill("5")
+    scale.press("Enter")
+    page.press("Idle")
+    page.until(lambda: "displacements × 5" in words.inner_text(), "what was chosen")
+    live.end()
+    assert not page.faults
+
+
 SIDE = (60.0, 120.0)
 """A place beside the shape."""
 

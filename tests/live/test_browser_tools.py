@@ -83,6 +83,20 @@ def test_a_tool_a_handle_cancel_and_a_short_sleep(bracket_session, opened):
     live.assert_replays({key: row for key, row in page.frames().items() if key <= number + 1})
 
 
+def test_what_is_asked_by_the_way_is_said_to_take_long_until_it_is_answered(bracket_session, opened):
+    live = bracket_session()
+    page = opened(live)
+    busy = page.tab.locator(".busy")
+    place, answered = page.place([ROUND], "window"), len(page.of("rates"))
+    with stopped(live.simulating()):
+        page.tab.mouse.click(*place)
+        page.until(lambda: "rates" in busy.inner_text() and busy.is_visible(), "that it takes long")
+    page.until(lambda: len(page.of("rates")) > answered, "the answer")
+    page.until(busy.is_hidden, "that it is over")
+    live.end()
+    assert not page.faults
+
+
 @pytest.mark.weekly
 def test_tools_and_handles_by_the_mouse_and_frames_that_hang(bracket_session, opened, tmp_path):
     live = bracket_session("--record", str(recorded := tmp_path / "recorded.vtkhdf"))

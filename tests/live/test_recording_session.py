@@ -78,6 +78,7 @@ def test_a_recording_is_played_from_its_frames(recorded):
     viewer = Viewer(path)
     (welcome,) = viewer.of("welcome")
     assert (welcome["player"], welcome["frames"], welcome["field"]) == (True, 7, "von_mises")
+    assert not welcome["goals"]
     assert {one["name"] for one in welcome["quantities"]} == {"sag", "stress_at_window", "wall_force"}
     for number in (3, 6, 1):
         viewer.say("seek", frame=number)

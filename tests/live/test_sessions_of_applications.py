@@ -10,6 +10,8 @@ from restshape.application import applications
 
 ROLES = ("plank", "body", "hole", "vertex")
 """Of what is taken hold of, the first that there is."""
+WITHOUT_UNIT = {"utilisation", "valid"}
+"""Fields of numbers; modes have no size of their own."""
 TEMPLATES = {name: one.folder / "template" / "scene.toml" for name, one in sorted(applications().items())}
 SHIPPED = [name for name, path in TEMPLATES.items() if path.exists()]
 
@@ -23,6 +25,9 @@ def test_the_script_of_a_session_replays_to_its_rows(name, tmp_path):
     scene = restshape.load(TEMPLATES[name])
     session = LocalSession(scene, out := tmp_path / "session.jsonl")
     (welcome,) = session.of("welcome")
+    labels = [one["label"] for one in welcome["fields"]]
+    assert len({*labels}) == len(labels)
+    assert {one["name"] for one in welcome["fields"] if not one["unit"] and "mode" not in one["name"]} <= WITHOUT_UNIT
     thing = min((one for one in welcome["things"] if one["role"] in ROLES), key=lambda one: ROLES.index(one["role"]))
     assert (thing["part"], "points") in session.arrays
     (frame,) = session.event("press", on=thing["name"])

@@ -11,6 +11,7 @@ from restshape.live.marks_beside import MarksBeside
 from restshape.live.message_loop import MessageLoop, SessionEnd
 from restshape.live.player_controls import PlayerControls
 from restshape.report.field import true_scale
+from restshape.report.goal_curves import goals_of
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Predict
@@ -96,6 +97,7 @@ class RecordingSession(MessageLoop):
         ]
         said = {"type": "welcome", "scene": header.get("scene", ""), "app": header.get("app", ""), "role": "hand"}
         said |= {"dim": 3 if recorded.in_space else 2, "trueScale": true_scale(recorded.recording)}
+        said |= {"goals": bool(goals_of(recorded.recording))}
         said |= {"fields": fields, "field": recorded.field, "numbers": [], "quantities": recorded.quantities()}
         said |= {"things": [], "events": {}, "script": self._controls.text, "player": True, "frames": recorded.frames}
         said |= {"predicts": ["none"], "predict": "none", "out": self._out, "recordable": False}

@@ -44,10 +44,15 @@ def field_choice(scene: Scene, at_nodes: Fields, in_cells: Fields) -> FieldChoic
     plain_cells = [name for name, values in in_cells.items() if values.ndim == 1]
     specs = {name: {one.kind: getattr(one, one.kind)} for name, one in scene.quantities.items()}
     found = chosen_field(names, pictured, specs, limited, plain_cells)
-    looks = {name: pictured.get(name) or NAMES.get(name) or PictureField(_label(name), "") for name in names}
-    order = sorted(names, key=lambda name: (name not in pictured, name.startswith(MODE)))
+    known = {**{name: look for one in app.physics for name, look in one.vectors.items()}, **NAMES, **pictured}
+    units = {one.name: one.unit for one in app.shown_columns(scene)}
+    looks = {name: known.get(name) or PictureField(_label(name), units.get(name, "")) for name in names}
+    ranks = {name: rank for rank, name in enumerate(pictured)}
+    order = sorted(names, key=lambda name: (ranks.get(name, len(ranks)), name.startswith(MODE)))
     first = found or next((name for name in order if name in at_nodes), "")
-    return FieldChoice({name: looks[name] for name in order}, first)
+    # Of two that show the same, such as a mode at nodes and its size in cells, people need one.
+    labels = {looks[name].label: name for name in reversed(order)}
+    return FieldChoice({name: looks[name] for name in order if labels[looks[name].label] == name}, first)
 
 
 def colours_of(name: str, at_nodes: Fields, in_cells: Fields) -> Colours | None:

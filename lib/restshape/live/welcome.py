@@ -50,6 +50,7 @@ class SessionWords:
             "dim": 3 if live.picture.in_space else 2,
             "role": "hand",
             "trueScale": true_scale(scene),
+            "goals": has_goals(scene),
             "goesOn": application_of(scene).transient(scene),
             "fields": fields_said(live),
             "field": live.picture.field,
@@ -137,3 +138,9 @@ def true_scale(scene: Scene) -> bool:
     app = application_of(scene)
     large = any(name in scene.effects for one in app.physics for name in one.true_scale)
     return large or not app.editing.has_mesh or any(one.pictures for one in app.physics)
+
+
+def has_goals(scene: Scene) -> bool:
+    """Whether pictures show where the shape should be, so that deformations are shown as they are to begin with."""
+    sections = (item for one in application_of(scene).physics for item in one.sections.items())
+    return any(section.curve and scene.sections.get(key) for key, section in sections)

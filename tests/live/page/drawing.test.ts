@@ -17,7 +17,7 @@ import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
-import { placeOf, roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
+import { folded, placeOf, roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
 import { Turns } from "../../../lib/restshape/live/page/src/hand/turns";
 import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
 import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
@@ -237,7 +237,7 @@ test("a part that has moved as it lies is read where it has gone", () => {
 });
 
 test("words leave handles free where another side of their place does", () => {
-  const word = { width: 60, spot: 0 }, around = { width: 400, height: 300, taken: [], handles: [], spots: 4 };
+  const word = { width: 60, height: 17, spot: 0 }, around = { width: 400, height: 300, taken: [], handles: [], spots: 4 };
   const [left, top, right, bottom] = roomFor(word, 100, 100, around)!;
   assert.ok(left > 100 && bottom < 100);
   const beside: [number, number, number, number] = [left + 5, top + 2, left + 15, top + 12];
@@ -247,6 +247,27 @@ test("words leave handles free where another side of their place does", () => {
   assert.deepEqual(roomFor(word, 100, 100, { ...around, handles: all }), other); // handles at all sides: where it was
   assert.equal(roomFor(word, 100, 100, { ...around, taken: all }), null);
   assert.ok(right - left === 60);
+});
+
+test("words stay within the picture on all sides of their place", () => {
+  const free = { width: 390, height: 300, taken: [], handles: [], spots: 4 };
+  for (const width of [100, 271, 380]) {
+    for (const x of [5, 150, 380]) {
+      for (let spot = 0; spot < 4; spot += 1) {
+        const [left, , right] = roomFor({ width, height: 17, spot }, x, 150, free)!;
+        assert.ok(left >= 0 && right <= 390, `${width} wide at ${x}, side ${spot}: from ${left} to ${right}`);
+      }
+    }
+  }
+  const tall = roomFor({ width: 60, height: 32, spot: 2 }, 100, 290, free)!;
+  assert.ok(tall[3] === 300 && tall[1] === 268);
+});
+
+test("words that are wider than the picture come in lines", () => {
+  const width = (text: string): number => 10 * text.length;
+  assert.deepEqual(folded("peak 12 MPa", 110, width), ["peak 12 MPa"]);
+  assert.deepEqual(folded("strength is 12 MPa, nearer to it", 130, width), ["strength is", "12 MPa,", "nearer to it"]);
+  assert.deepEqual(folded("unbreakable ends", 50, width), ["unbreakable", "ends"]);
 });
 
 test("words move from pixel to pixel of the display", () => {

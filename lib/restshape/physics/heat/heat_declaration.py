@@ -102,7 +102,10 @@ HEAT = Physics(
         "storage": Effect(Storage, "the temperature in time", fixed=True, transient=True, kernels=("heat_cap",)),
     },
     invariants=(Invariant(convections, "where convection acts cannot change", "set its film to 0 instead"),),
-    pictured={"temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True))},
+    pictured={
+        "temperature": PictureField("temperature", "K", from_zero=False, quantity=("temperature", True)),
+        "heat_flux": PictureField("heat flux", "W/m^2"),
+    },
     orders=(2, 1),
     check=check_heat,
     inspect_shape="restshape.physics.heat.temperature_jumps:inspect_conduction",

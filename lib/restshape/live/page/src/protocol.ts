@@ -36,7 +36,8 @@ export interface ThingInfo {                                               // wh
 
 /** From the server as text. */
 export type FromServer =
-  | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean; goesOn?: boolean;
+  | { type: "welcome"; scene: string; app: string; dim: 2 | 3; role: "hand" | "looker"; trueScale: boolean; goals: boolean;
+      goesOn?: boolean;
       fields: FieldInfo[]; field: string; numbers: NumberInfo[]; quantities: QuantityInfo[]; things: ThingInfo[];
       events: Record<string, object>;                                      // by name the JSON schema of each event, or nothing: it comes after the first frame
       script: string; player: boolean; frames: number; predicts: string[]; predict: string; out: string; recordable: boolean }

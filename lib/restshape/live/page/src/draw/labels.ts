@@ -8,14 +8,15 @@ import type { View } from "./view";
 /** moved: displacement of the place, where it goes with the deformation that is drawn. */
 export interface Word { text: string; at: ArrayLike<number>; meaning: string; moved?: ArrayLike<number> | null; }
 /** text: that it will have at the painter's next turn; said: that it has. place: where it is, as the style has it. spot: beside its place. */
-interface Shown {
-  element: HTMLSpanElement; at: Vector3; moved: Vector3; width: number; text: string; said: string; meaning: string; place: string; free: boolean;
-  spot: number;
+interface Shown extends Size {
+  element: HTMLSpanElement; at: Vector3; moved: Vector3; text: string; said: string; meaning: string; place: string; free: boolean; spot: number;
 }
+/** Of words, with padding. */
+interface Size { width: number; height: number; }
 
 const BESIDE = 9; // pixels from the place
-const HEIGHT = 17; // pixels of a line with its padding
-const PADDING = 8;
+const LINE = 15; // pixels of a line
+const PADDING = { width: 8, height: 2 };
 const MANY = 9; // words, which would hide the shape if each had a place somewhere
 /** Where a word may be beside its place: to the right or left, above or below. */
 const SPOTS = [{ right: true, above: true }, { right: false, above: true }, { right: true, above: false }, { right: false, above: false }];
@@ -25,6 +26,7 @@ export type Box = [number, number, number, number];
 
 export class Labels {
   covered: Box[] = [];                               // where no word is, since something else lies there
+  private room = Infinity;                           // width of the picture
   private readonly sets = new Map<string, Shown[]>();
   private readonly work = new Vector3();
 
@@ -43,6 +45,7 @@ export class Labels {
 
   /** Moves all words to where their places are seen. scale: of displacements; handles: which they cover only where there is no other place. */
   place(view: View, width: number, height: number, scale: number, handles: readonly Box[]): void {
+    if (width !== this.room) this.foldAll(width);
     const taken: Box[] = [...this.covered], spots = this.count > MANY ? 1 : SPOTS.length;
     for (const shown of this.sets.values()) {
       for (const one of shown) {
@@ -70,7 +73,7 @@ export class Labels {
   private make(): Shown {
     const element = document.createElement("span");
     this.over.append(element);
-    return { element, at: new Vector3(), moved: new Vector3(), width: 0, text: "", said: "", meaning: "", place: "", free: true, spot: 0 };
+    return { element, at: new Vector3(), moved: new Vector3(), width: 0, height: 0, text: "", said: "", meaning: "", place: "", free: true, spot: 0 };
   }
 
   /** Places change with each frame; texts that change with it are written as often as they can be read. */
@@ -80,32 +83,60 @@ export class Labels {
     if (shown.meaning !== meaning) shown.element.style.color = `var(--${meaning}, var(--guide))`;
     shown.meaning = meaning;
     shown.text = text;
-    if (shown.said === "") say(shown);
+    if (shown.said === "") say(shown, this.room);
     else if (shown.said !== text) this.painter.soon(this.sayAll);
   }
 
   private readonly sayAll = (): void => {
-    for (const shown of this.sets.values()) shown.forEach(say);
+    for (const shown of this.sets.values()) for (const one of shown) say(one, this.room);
   };
+
+  /** The picture is as wide as that now. */
+  private foldAll(room: number): void {
+    this.room = room;
+    for (const shown of this.sets.values()) for (const one of shown) write(one, room);
+  }
 }
 
-function say(shown: Shown): void {
+function say(shown: Shown, room: number): void {
   if (shown.said === shown.text) return;
-  shown.said = shown.element.textContent = shown.text;
-  shown.width = widthOf(shown.text);
+  shown.said = shown.text;
+  write(shown, room);
+}
+
+function write(shown: Shown, room: number): void {
+  const lines = folded(shown.said, room - PADDING.width, widthOf), text = lines.join("\n");
+  if (shown.element.textContent !== text) shown.element.textContent = text;
+  shown.width = Math.max(...lines.map(widthOf)) + PADDING.width;
+  shown.height = lines.length * LINE + PADDING.height;
+}
+
+/** Words in lines of at most that width, as far as single words are no wider. */
+export function folded(text: string, room: number, widthOf: (text: string) => number): string[] {
+  if (widthOf(text) <= room) return [text];
+  const lines: string[] = [];
+  let line = "";
+  for (const word of text.split(" ")) {
+    const longer = line ? `${line} ${word}` : word;
+    if (line && widthOf(longer) > room) {
+      lines.push(line);
+      line = word;
+    } else line = longer;
+  }
+  return [...lines, line];
 }
 
 /** taken: where no word may be, handles: nor should be; spots: that may be tried, those of `SPOTS` from the first. */
 export interface Around { width: number; height: number; taken: readonly Box[]; handles: readonly Box[]; spots: number; }
 
 /** Where a word covers no other one and no handle, else no other one: where it was, if that is still so. null: nowhere beside its place. */
-export function roomFor(one: { width: number; spot: number }, x: number, y: number, around: Around): Box | null {
+export function roomFor(one: Size & { spot: number }, x: number, y: number, around: Around): Box | null {
   const { width, height, taken, handles, spots } = around;
   const before = Math.min(one.spot, spots - 1);
   for (const avoided of handles.length ? [[...taken, ...handles], taken] : [taken]) {
     for (let tried = 0; tried <= spots; tried += 1) {
       const spot = tried === 0 ? before : tried - 1, { right, above } = SPOTS[spot]!;
-      const box = boxAt(one.width, x, y, width, height, right, above);
+      const box = boxAt(one, x, y, width, height, right, above);
       if (avoided.some((other) => meet(box, other))) continue;
       one.spot = spot;
       return box;
@@ -121,12 +152,14 @@ export function placeOf(left: number, top: number, ratio: number): string {
   return `translate(${x}px, ${y}px)`;
 }
 
-function boxAt(wide: number, x: number, y: number, width: number, height: number, right: boolean, above: boolean): Box {
-  const fits = right ? x + BESIDE + wide <= width : x - BESIDE - wide < 0;
-  // Words that are wider than both sides begin where the picture does.
-  const left = fits ? x + BESIDE : Math.max(x - BESIDE - wide, Math.min(0, x + BESIDE));
-  const top = Math.min(Math.max(above ? y - HEIGHT - 4 : y + 4, 0), height - HEIGHT);
-  return [left, top, left + wide, top + HEIGHT];
+function boxAt(one: Size, x: number, y: number, width: number, height: number, right: boolean, above: boolean): Box {
+  const after = x + BESIDE, before = x - BESIDE - one.width;
+  const fitting = [after + one.width <= width ? after : null, before >= 0 ? before : null];
+  // Words that are wider than both sides begin or end where the picture does.
+  const squeezed = right ? Math.max(before, Math.min(0, after)) : Math.max(0, width - one.width);
+  const left = (right ? fitting : fitting.reverse()).find((one) => one !== null) ?? squeezed;
+  const top = Math.min(Math.max(above ? y - one.height - 4 : y + 4, 0), height - one.height);
+  return [left, top, left + one.width, top + one.height];
 }
 
 let pen: CanvasRenderingContext2D | null = null;
@@ -137,7 +170,7 @@ function widthOf(text: string): number {
     pen = document.createElement("canvas").getContext("2d");
     if (pen) pen.font = `12px ${getComputedStyle(document.body).fontFamily}`;
   }
-  return (pen?.measureText(text).width ?? 7 * text.length) + PADDING;
+  return pen?.measureText(text).width ?? 7 * text.length;
 }
 
 function meet(a: Box, b: Box): boolean {

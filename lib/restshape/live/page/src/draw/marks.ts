@@ -22,7 +22,10 @@ const HEAD = 11; // pixels
 const ORDER = 20; // above the shape
 const MANY = 24; // dots, which are then drawn smaller
 
-interface Drawn { lines?: Segments; heads?: Segments; dots?: Dots; }
+const CASED = ["node"]; // what lies where colours are darkest, and is seen there by a seam of the ground's colour
+const SEAM = 1.5; // pixels at each side
+
+interface Drawn { casing?: Segments; lines?: Segments; heads?: Segments; dots?: Dots; }
 
 export class Marks {
   private readonly drawn = new Map<string, Drawn>();
@@ -38,9 +41,15 @@ export class Marks {
     if (!lines) return;
     const { points, starts, meaning } = lines;
     const moved = lines.moved ?? NONE;
+    const width = lines.width ?? 2.5;
     drawn.heads?.clear();
+    if (CASED.includes(meaning)) {
+      drawn.casing ??= this.segments(0);
+      drawn.casing.look(this.theme.colour("ground"), width + 2 * SEAM);
+      drawn.casing.setLines(points, moved, starts);
+    } else drawn.casing?.clear();
     drawn.lines ??= this.segments(0);
-    drawn.lines.look(this.theme.colour(meaning), lines.width ?? 2.5);
+    drawn.lines.look(this.theme.colour(meaning), width);
     drawn.lines.setLines(points, moved, starts);
     this.setDots(drawn, points, moved, starts, meaning);
     this.labels.set(name, wordsOf(lines.words, meaning, points, moved, (i) => middleOf(points, starts, i)));
@@ -54,6 +63,7 @@ export class Marks {
     const { ends, starts } = arrowLines(points, vectors, LONGEST * size, tips);
     const moved = arrows.moved ? ofBothEnds(arrows.moved) : NONE;
     drawn.dots?.clear();
+    drawn.casing?.clear();
     drawn.lines ??= this.segments(0);
     drawn.heads ??= this.segments(HEAD);
     for (const segments of [drawn.lines, drawn.heads]) {
@@ -100,7 +110,7 @@ export class Marks {
   }
 
   private take(name: string, drawn: Drawn): void {
-    for (const segments of [drawn.lines, drawn.heads]) {
+    for (const segments of [drawn.casing, drawn.lines, drawn.heads]) {
       if (segments) this.group.remove(segments.mesh);
       segments?.dispose();
     }

@@ -47,5 +47,6 @@ function write(pen: CanvasRenderingContext2D, text: HTMLElement, origin: DOMRect
   pen.font = `${style.fontSize} ${style.fontFamily}`;
   pen.fillStyle = style.color;
   pen.textBaseline = "middle";
-  pen.fillText(text.textContent, left - origin.left + parseFloat(style.paddingLeft), top - origin.top + height / 2);
+  const lines = text.textContent.split("\n"), tall = height / lines.length;
+  lines.forEach((line, i) => pen.fillText(line, left - origin.left + parseFloat(style.paddingLeft), top - origin.top + (i + 0.5) * tall));
 }

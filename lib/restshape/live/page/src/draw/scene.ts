@@ -198,8 +198,9 @@ export class Scene {
     const { look, welcome } = this.app;
     const before = this.shared.scale.value;
     let scale = look.scale;
-    const rigid = welcome?.trueScale || this.app.things.some(({ role }) => role === "plank");
-    if (look.autoScale) scale = rigid ? 1 : autoScale(before, this.largest(), this.size);
+    // Beside where it should be a shape is drawn where it is.
+    const exact = welcome?.trueScale || welcome?.goals || this.app.things.some(({ role }) => role === "plank");
+    if (look.autoScale) scale = exact ? 1 : autoScale(before, this.largest(), this.size);
     if (scale === before) return;
     this.shared.scale.value = scale;
     this.app.tell("scaled", scale);

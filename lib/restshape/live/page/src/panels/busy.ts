@@ -21,7 +21,7 @@ export function showBusy(app: App): HTMLElement {
     cancel.hidden = app.frame === null;
     body.hidden = false;
   });
-  for (const over of ["done", "refused", "written", "welcome"] as const) app.on(over, end);
+  for (const over of ["done", "refused", "declined", "rates", "struck", "saved", "written", "welcome"] as const) app.on(over, end);
   app.on("frame", () => { if (!shows) end(); });
   app.on("lost", ({ restarting }) => {
     shows = false;
