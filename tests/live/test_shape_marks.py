@@ -113,10 +113,22 @@ def test_an_extreme_is_found_among_the_values_that_are_known(bracket):
         )
 
 
+def largest_stress():
+    """Name of the quantity that is the largest stress."""
+    quantities = restshape.load(BRACKET).quantities.items()
+    return next(name for name, one in quantities if one.reduce == "max" and one.kind == "stress")
+
+
+def test_a_limit_that_may_fail_is_said_in_few_words(bracket):
+    name = largest_stress()
+    most = f"quantities.{name}.max={1.001 * bracket.frame.quantities[name]}"
+    with restshape.open(restshape.load(BRACKET, *COARSE, most)) as simulation:
+        (words,) = (one.text for one in marks_of(simulation, Words) if one.meaning == "uncertain" and name in one.text)
+        assert words.startswith(f"{name} ") and words.endswith(": uncertain") and len(words) <= len(name) + 40
+
+
 def test_a_limit_that_fails_is_said_at_its_place():
-    (name, *_) = (
-        name for name, one in restshape.load(BRACKET).quantities.items() if one.reduce == "max" and one.kind == "stress"
-    )
+    name = largest_stress()
     with restshape.open(restshape.load(BRACKET, *COARSE, f"quantities.{name}.max='1 Pa'")) as simulation:
         (words,) = (one for one in marks_of(simulation, Words) if one.meaning == "limit")
         assert words.text.startswith(f"{name} is ") and words.text.endswith("at most 1 Pa") and words.at is not None

@@ -190,7 +190,7 @@ def _limit_words(finding: Finding) -> str:
     if finding.kind == LIMIT:
         return formatted_constraint(finding)
     value, bound = value_and_bound(finding)
-    return f"{finding.subjects[0]} is {value}, nearer to its limit of {bound} than it is known"
+    return f"{finding.subjects[0]} {value}, limit {bound}: uncertain"
 
 
 def _meaning(finding: Finding) -> Meaning:

@@ -4,16 +4,19 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 
+import { Color, Group, Vector2 } from "three";
+
 import { Bounds } from "../../../lib/restshape/live/page/src/draw/bounds";
 import { arrivedPart, nothingSent } from "../../../lib/restshape/live/page/src/draw/shifted";
 import { chosenMap, colourTable, ends } from "../../../lib/restshape/live/page/src/draw/colour_maps";
 import { follow } from "../../../lib/restshape/live/page/src/draw/follow";
-import { arrowLines } from "../../../lib/restshape/live/page/src/draw/marks";
+import { arrowLines, Marks } from "../../../lib/restshape/live/page/src/draw/marks";
 import { addNormals } from "../../../lib/restshape/live/page/src/draw/normals";
 import { autoScale, largest, readable } from "../../../lib/restshape/live/page/src/draw/scale";
 import { Ahead } from "../../../lib/restshape/live/page/src/draw/ahead";
 import { Sharpness } from "../../../lib/restshape/live/page/src/draw/sharpness";
-import { pairsOf } from "../../../lib/restshape/live/page/src/draw/segments";
+import { pairsOf, type Segments } from "../../../lib/restshape/live/page/src/draw/segments";
+import { whatDraws } from "../../../lib/restshape/live/page/src/draw/drawn";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
@@ -234,6 +237,23 @@ test("a part that has moved as it lies is read where it has gone", () => {
   assert.equal(at(part({}, [0, 2, 0]), "points"), null);
   assert.equal(arrivedPart(part({ displacement: place(2) }), read, kept).along, false);
   assert.deepEqual([...sent[0]!], [0, 0, 0, 1, 2, 3]);
+});
+
+test("nodal lines have a seam in the colour of the ground, since they lie where colours are darkest", () => {
+  const colours = new Map<string, Color>(), group = new Group();
+  const colour = (name: string): Color => colours.get(name) ?? colours.set(name, new Color(0)).get(name)!;
+  const shared = { scale: { value: 1 }, size: { value: new Vector2(1, 1) }, pixels: { value: 1 } };
+  const marks = new Marks(group, shared as never, { colour } as never, { set: () => true } as never, () => {});
+  const drawn = (): Segments[] => group.children.filter((one) => one.visible).map((one) => whatDraws(one) as Segments);
+  const line = { points: Float32Array.of(0, 0, 0, 1, 0, 0), starts: [0] };
+  marks.setLines("still", { ...line, meaning: "node" });
+  const [seam, node] = drawn();
+  assert.ok(seam!.width.value > node!.width.value + 2 && seam!.colour.value === colour("ground") && node!.colour.value === colour("node"));
+  assert.deepEqual([...seam!.points], [...node!.points]);
+  marks.setLines("still", { ...line, meaning: "guide" });
+  assert.deepEqual(drawn().map((one) => one.colour.value), [colour("guide")]);
+  marks.setLines("still", null);
+  assert.equal(group.children.length, 0);
 });
 
 test("words leave handles free where another side of their place does", () => {
