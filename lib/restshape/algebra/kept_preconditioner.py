@@ -56,6 +56,7 @@ class KeptPreconditioner:
         method: as of `LinearSolver`.
 
     Attributes:
+        ranks: that share the matrix.
         kind: PETSc's type; candidate: that was chosen; None where there was no choice.
         chooses: each new system has its choice.
         ready: there is one, which fits the present system.
@@ -71,6 +72,7 @@ class KeptPreconditioner:
 
     def __init__(self, ksp: PETSc.KSP, choice: Choice, traits: Traits, named: str | None, method: str) -> None:
         self.ksp, self.choice, self.traits = ksp, choice, traits
+        self.ranks = int(ksp.getComm().size)
         self._named, self._method = named is not None, method
         self.kind = named or ("ilu" if method == "ilu" else traits.factor)
         self.size = Size(0, 0.0, traits.dimension, fields=traits.fields, sheet=traits.sheet)
@@ -91,11 +93,6 @@ class KeptPreconditioner:
         elif not self.chooses:
             # What is chosen sets itself up; options of one that is never made would name the next one's kind.
             self._set(ILU.levels)
-
-    @property
-    def ranks(self) -> int:
-        """That share the matrix."""
-        return self.ksp.getComm().size
 
     @property
     def name(self) -> str:

@@ -96,17 +96,17 @@ class SteadyState(Generic[P]):
     @property
     def problem(self) -> P:
         """The scene's problem on its space."""
-        return made(self.bound).problem
+        return (self.bound or made(self.bound)).problem
 
     @property
     def system(self) -> LinearSystem:
         """What outlives frames on the space."""
-        return made(self.bound).system
+        return (self.bound or made(self.bound)).system
 
     @property
     def observer(self) -> Observer:
         """Of the scene's quantities."""
-        return made(self.bound).observer
+        return (self.bound or made(self.bound)).observer
 
     @property
     def space(self) -> Space | None:

@@ -98,7 +98,7 @@ class ShownFrame(ReadableFrame):
             for fields, views in zip(own, found):
                 for name, values in fields.items():
                     view = views[name] = values.view()
-                    view.flags.writeable = False
+                    view.setflags(write=False)
             self._fields = found
         return self._fields
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
+from restshape.live.kept_marks import same_objects
 from restshape.live.shown_marks import NOWHERE, Arrows, Lines, Mark
 from restshape.outputs.si_numbers import si
 from restshape.report.entity_outlines import ALONG, Place
@@ -30,7 +31,7 @@ PUSHES = -1e-9
 class ConditionMarks:
     """Marks of the supports, loads and accelerations of each frame.
 
-    What they act on stays as long as the mesh keeps its layout and the scene its values; those of a frame that rests
+    What they act on stays as long as entities keep their nodes and the scene its values; those of a frame that rests
     are the same objects.
     """
 
@@ -44,11 +45,11 @@ class ConditionMarks:
     def __call__(self, seen: SeenFrame) -> list[Mark]:
         """The marks of a frame."""
         space, scene = seen.space, seen.scene
-        known = scene is self._scene and space is self._bound[-2] and space.topology == self._bound[-1]
+        known = scene is self._scene and space is self._bound[-2] and space.facets is self._bound[-1]
         if not known:
             # Edits of other tables leave these as they are.
-            bound = scene.supports, scene.loads, scene.effects, scene.parameters, space, space.topology
-            known = _same(bound, self._bound)
+            bound = scene.supports, scene.loads, scene.effects, scene.parameters, space, space.facets
+            known = same_objects(bound, self._bound)
             self._scene, self._bound = scene, bound
         if not known:
             self._acting = [*_supports(scene, space), *_loads(scene, space)]
@@ -146,16 +147,6 @@ def arrows_of(
     words = [""] * len(vectors)
     words[len(words) // 2] = si(float(sizes[len(words) // 2]), unit)
     return Arrows(key, place.at, vectors, unit, "load", words, None, tips.tolist())
-
-
-def _same(these: tuple[object, ...], those: tuple[object, ...]) -> bool:
-    """Whether two keys are of the same objects, and of the same numbers."""
-    if len(these) != len(those):
-        return False
-    for one, other in zip(these, those):
-        if one is not other and not (isinstance(one, int) and one == other):
-            return False
-    return True
 
 
 def _equal(these: Reals | None, those: Reals | None) -> bool:

@@ -55,10 +55,10 @@ class LookedAt:
 
 
 class ExtremeMarks:
-    """Finds where quantities of each frame are; what they are taken from stays as long as the mesh keeps its layout."""
+    """Finds where quantities of each frame are; what they are taken from stays as long as entities keep their nodes."""
 
     def __init__(self) -> None:
-        self._bound: tuple[object, object, int] = (None, None, -1)
+        self._bound: tuple[object, object, object] = (None, None, None)
         self._looked_at: list[LookedAt] = []
         self._last: list[Words | NodeValue] = []
         self._values: dict[LookedAt, NodeValue] = {}
@@ -69,8 +69,8 @@ class ExtremeMarks:
             return []
         # Edits of other tables leave the quantities as they are.
         quantities, space = seen.scene.quantities, seen.space
-        if quantities is not self._bound[0] or space is not self._bound[1] or space.topology != self._bound[2]:
-            self._bound = quantities, space, space.topology
+        if quantities is not self._bound[0] or space is not self._bound[1] or space.facets is not self._bound[2]:
+            self._bound = quantities, space, space.facets
             self._looked_at, self._values = [*_looked_at(seen)], {}
         row, drawn = seen.frame.row, seen.all_nodes_drawn
         findings = _found_on_limits(seen) if row["findings"] else {}

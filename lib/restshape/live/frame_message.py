@@ -37,7 +37,8 @@ class FrameEncoder:
             parts: of the picture; those of the frame before that are not among them are gone.
             marks: at the hand; answered: number of the message that it answers.
         """
-        body, known, now = MessageBody(), self._parts, dict[str, PicturePart]()
+        body, known = MessageBody(), self._parts
+        now: dict[str, PicturePart] = {}
         said: list[dict[str, object]] = []
         for part in parts:
             name = part.name

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
+from operator import is_
 from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
@@ -24,6 +25,11 @@ def kept(simulation: Simulation, make: Callable[[], T]) -> T:
     if found is None:
         found = own[make] = make()
     return found
+
+
+def same_objects(these: Sequence[object], those: Sequence[object]) -> bool:
+    """Whether what something was made from is what it was: the same objects, which nobody changes."""
+    return len(these) == len(those) and all(map(is_, these, those))
 
 
 Marks = Callable[["Simulation"], "list[Mark]"]

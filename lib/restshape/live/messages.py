@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cache
 from typing import Annotated, Any, Literal
 
@@ -175,8 +176,11 @@ Message = (
 
 
 @cache
-def _reader() -> TypeAdapter[Message]:
-    return TypeAdapter(Annotated[Message, Field(discriminator="type")])
+def _reader() -> Callable[[str], Message]:
+    adapter: TypeAdapter[Message] = TypeAdapter(Annotated[Message, Field(discriminator="type")])
+    adapter.rebuild()
+    # Without the adapter's own look at options that nobody gives.
+    return adapter.validator.validate_json
 
 
 class MalformedMessage(ValueError):
@@ -202,7 +206,7 @@ def read(content: str | bytes) -> Message:
     if len(content) > LONGEST and not content.startswith(RESUMES):
         raise MalformedMessage(f"a message has {LONGEST} characters at most, and this one {len(content)}")
     try:
-        return _reader().validate_json(content)
+        return _reader()(content)
     except ValidationError as error:
         first = error.errors(include_url=False, include_context=False)[0]
         where = ".".join(map(str, first["loc"][1:])) if first["loc"] else ""

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.live.condition_marks import ConditionMarks
 from restshape.live.extreme_marks import ExtremeMarks
-from restshape.live.kept_marks import kept, of_answers
+from restshape.live.kept_marks import kept, of_answers, same_objects
 from restshape.live.recorded_marks import singular_marks
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import NOWHERE, Lines, Mark
@@ -67,8 +67,8 @@ class ShapeMarks:
         mark = self._places[1]
         if mark is None:
             return []
-        at = mark, seen.space, seen.space.topology
-        if at != self._at:
+        at = mark, seen.space, seen.space.facets
+        if not same_objects(at, self._at):
             self._at, self._nodes = at, _nodes_at(mark.points, seen.space.X)
             self._drawn = mark
             if self._nodes is not None and seen.all_nodes_drawn:

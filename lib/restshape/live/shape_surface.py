@@ -58,6 +58,7 @@ class ShapeSurface:
         self._known: dict[str, AnyArray] = {}
         self._shifted = ShiftedPoints()
         self._geometry: object = None
+        self._facets: object = None
         self._moved = True
 
     @property
@@ -87,7 +88,11 @@ class ShapeSurface:
         """The same of a mesh whose nodes are at other places X (n, d) [m]."""
         if self._version[1] != space.topology or not (self._version[0] is space or self._cells is space.cells):
             self._known, self._shifted = {}, ShiftedPoints()
-            self._triangles = triangles_of(X, space.cells)
+            # Flips leave the border as it is, as they leave facets.
+            facets, before = getattr(space, "facets", None), self._facets
+            stays = facets is not None and facets is before and self._version[0] is space
+            self._triangles = triangles_of(X, space.cells, self._triangles.border if stays else None)
+            self._facets = facets
         self._version, self._cells = (space, space.topology), space.cells
         geometry = getattr(space, "geometry", None)
         # In a frame that moves nodes nothing is as it was.

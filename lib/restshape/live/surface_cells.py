@@ -63,15 +63,20 @@ class ShownTriangles:
         return found
 
 
-def triangles_of(X: Reals, given: AnyArray) -> ShownTriangles:
+def triangles_of(X: Reals, given: AnyArray, border: AnyArray | None = None) -> ShownTriangles:
     """ShownTriangles that show cells, as they lie.
 
     Args:
         X: (n, d) places of the nodes [m].
         given: cells (ne, k): 3 or 6 nodes of triangles, 4 or 10 of tetrahedra, 8 of hexahedra.
+        border: of triangles, as it travels, where it is known from other cells on the same nodes; None: it is not.
     """
+    number, k = np.arange(len(given)), given.shape[1]
+    if k == 3 and border is not None:
+        return ShownTriangles(
+            sent_indices(given, len(X)), border, None, number, np.tile(np.arange(3), (len(given), 1)), k
+        )
     cells: Integers = given.astype(np.int64)
-    number, k = np.arange(len(cells)), cells.shape[1]
     if k in (3, 6):
         parts = np.array([[0, 1, 2]] if k == 3 else QUARTERS)
         cell, local = np.tile(number, len(parts)), np.repeat(parts, len(cells), axis=0)

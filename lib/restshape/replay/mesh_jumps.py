@@ -70,6 +70,7 @@ class MeshJumps:
             what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
             raise scene.located(UserError(what, "solve.jumps", "leave it out"))
         self._last: tuple[Scene | None, RowValues] = (None, {})
+        self._blank: tuple[Scene | None, RowValues] = (None, {})
         self._before: State[Problem] | None = None
         self._changed: tuple[Follower, MeshUpdate] | None = None
         self._topology: tuple[int, ...] = ()
@@ -86,6 +87,12 @@ class MeshJumps:
             self._layout, self._topology = moving.mesh.outline.layout, _topology(moving)
         self._incomparable = mesh_update.level > 2 and bool(known) and known != self._topology
 
+    def _none(self, scene: Scene) -> RowValues:
+        """The columns of a frame without numbers."""
+        if scene is not self._blank[0]:
+            self._blank = scene, {jump_column(name): np.nan for name in scene.quantities}
+        return self._blank[1]
+
     def __call__(self, edit: ScriptFrame, row: RowValues, compare: bool) -> RowValues:
         """The columns of a frame that was solved; not numbers where the mesh stayed, or cannot be compared.
 
@@ -98,9 +105,9 @@ class MeshJumps:
         if not compare:
             self._changed = None
         last, self._last = self._last, (edit.scene, row)
-        found = dict.fromkeys(edit.scene.quantities, np.nan)
         if self._changed is None and not self._incomparable:
-            return {jump_column(name): value for name, value in found.items()}
+            return self._none(edit.scene)
+        found = dict.fromkeys(edit.scene.quantities, np.nan)
         values = _quantities(edit.scene, row)
         others = self._others()
         if others:

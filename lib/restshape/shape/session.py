@@ -122,8 +122,7 @@ class EditSession(ScriptSession[Outline]):
         )
 
     def _carried_out(self, event: EventLine) -> Iterator[Step]:
-        on = getattr(event, "on", None)
-        if event.do in OF_SHAPE and on in bodies_of(self.scene):
+        if event.do in OF_SHAPE and (on := getattr(event, "on", None)) in bodies_of(self.scene):
             what = f"{on} is a body, which {event.do!r} does not know"
             why = UserError(what, do="bodies can be pressed and dragged, rotated and scaled")
             return self._refused(event.frame_count, why)

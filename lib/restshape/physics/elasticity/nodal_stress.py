@@ -83,7 +83,7 @@ class NodalStress:
             return
         if self._x.shape != x.shape:
             self._x = np.empty(x.shape)
-        np.copyto(self._x, x)
+        self._x[...] = x
         self._versions = versions
         self._found.clear()
         if self._asked:

@@ -94,6 +94,7 @@ class PlaneSolid(TransientProblem):
         self.materials = table_by_region(scene, space, lambda m: (*lame(m, stress), m.thickness, m.rho))
         self.gravity = np.array(plan.settings("gravity").g) if plan.on("gravity") else None
         self._made: dict[str, list[Integral]] = {}
+        self._made_at: np.ndarray | None = None
         self.loads = PlaneLoads(scene, space, self.materials[:, 2], not self.linear)
         self.params, self.stiffness_params = self._cell_params()
         self.stresses = PlaneStresses(space, self.element, self.stiffness_params, not self.linear, stress)
@@ -166,8 +167,11 @@ class PlaneSolid(TransientProblem):
         if kind == FOLLOWERS:
             return self.loads.follower(part)
         # Made once: they have places, cells and parameters by reference.
+        if self._made_at is not self.space.X:
+            self._made_at = self.space.X
+            self._made.clear()
         known = self._made.get(kind)
-        if known is None or any(one.X is not self.space.X for one in known):
+        if known is None:
             known = self._made[kind] = self._integrals(kind)
         return known
 
