@@ -8,7 +8,7 @@ import { errorOfAnswer } from "../../../lib/restshape/live/page/src/panels/answe
 import { byKind, taken } from "../../../lib/restshape/live/page/src/panels/decoded_marks";
 import { FrameHistory } from "../../../lib/restshape/live/page/src/panels/frame_history";
 import { hasEarlierErrors } from "../../../lib/restshape/live/page/src/panels/frame_values";
-import { foundNumbers, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
+import { foundNumbers, shownText, slid, sliderRange, typedValue } from "../../../lib/restshape/live/page/src/panels/given_numbers";
 import { entriesOf } from "../../../lib/restshape/live/page/src/panels/legend";
 import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
 import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
@@ -20,6 +20,13 @@ import { axisRange, powerLabels, powerTicks, tickLabels, ticks } from "../../../
 import type { FrameMessage, MarkMessage } from "../../../lib/restshape/live/page/src/protocol";
 import { alike, partials, volumeGain } from "../../../lib/restshape/live/page/src/panels/tone_parameters";
 import { pointText, TypedError, valueOf } from "../../../lib/restshape/live/page/src/panels/typed_values";
+
+test("numbers of a scene are shown as written, but without digits that nobody reads", () => {
+  for (const text of ["10 mm", "7850 kg/m^3", "5e-6 N m", "0.1234567", "2 * width", "210123456789", "a_1.234567890"]) assert.equal(shownText(text), text);
+  assert.equal(shownText("0.15509690299999998"), "0.1550969");
+  assert.equal(shownText("-12.345678901 mm"), "-12.34568 mm");
+  assert.equal(shownText("1.0000000001e-05"), "0.00001");
+});
 
 test("numbers have SI prefixes as on the console", () => {
   assert.equal(siText(240_876_036, "Pa"), "240.9 MPa");

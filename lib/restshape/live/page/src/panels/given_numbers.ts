@@ -11,6 +11,16 @@ export function textParts(text: string): { number: number; unit: string } | null
   return found ? { number: Number(found[1]), unit: found[2] ?? "" } : null;
 }
 
+const DIGITS = 7; // that have room in a field
+
+/** Text of a scene as a field shows it: what a hand has made of a number has digits that nobody reads. */
+export function shownText(text: string): string {
+  const parts = textParts(text);
+  if (!parts || !text.includes(".") || text.replace(/e.*|\D/gi, "").length <= DIGITS) return text;
+  const number = String(Number(parts.number.toPrecision(DIGITS)));
+  return parts.unit ? `${number} ${parts.unit}` : number;
+}
+
 /** What is sent for typed text: a bare number has the unit that the scene writes there. */
 export function typedValue(typed: string, before: string): number | string | null {
   const value = quantityOf(typed);

@@ -3,7 +3,7 @@
 import { refusedWords, type App } from "../app";
 import type { NumberInfo } from "../protocol";
 import { element, mark } from "./element";
-import { foundNumbers, rounded, slid, sliderRange, typedValue, type SliderRange } from "./given_numbers";
+import { foundNumbers, rounded, shownText, slid, sliderRange, typedValue, type SliderRange } from "./given_numbers";
 import type { Painter } from "./painter";
 
 const MOST = 48;                                       // found numbers that are shown at a time
@@ -78,8 +78,15 @@ class NumberLine {
     const { low, high, step, factor } = this.range;
     for (const [name, value] of Object.entries({ min: low, max: high, step })) mark(this.slider, name, String(value));
     this.slider.value = String(this.info.value * factor);
-    this.text.value = this.info.text;
-    mark(this.slider, "aria-valuetext", this.info.text);
+    this.write();
+    mark(this.slider, "aria-valuetext", this.text.value);
+  }
+
+  /** The text as it fits; what it is of, where that says more. */
+  private write(): void {
+    const { text } = this.info;
+    this.text.value = shownText(text);
+    mark(this.text, "title", this.text.value === text ? null : text);
   }
 
   private slide(): void {
@@ -93,7 +100,7 @@ class NumberLine {
 
   private typed(): void {
     const value = typedValue(this.text.value, this.info.text);
-    if (value === null) this.text.value = this.info.text;
+    if (value === null) this.write();
     else this.asked = this.app.act({ do: "set", key: this.info.key, value });
   }
 }
