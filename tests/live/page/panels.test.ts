@@ -12,7 +12,7 @@ import { foundNumbers, shownText, slid, sliderRange, typedValue } from "../../..
 import { entriesOf } from "../../../lib/restshape/live/page/src/panels/legend";
 import { extremes, pixel, placeNames, thinned, valueAt, type Axis } from "../../../lib/restshape/live/page/src/panels/plot_geometry";
 import { arrowTurn, fallsAtAll, fallText, rateText, shareText } from "../../../lib/restshape/live/page/src/panels/rate_text";
-import { fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
+import { exampleOf, fieldsOf } from "../../../lib/restshape/live/page/src/panels/schema_fields";
 import { continues, eventLine, eventsOf } from "../../../lib/restshape/live/page/src/panels/script_lines";
 import { distanceText, errorText, extremeText, siText } from "../../../lib/restshape/live/page/src/panels/si_text";
 import { MarkGroup, type DrawnMark, type Stage, type ValueText, type WordToDraw } from "../../../lib/restshape/live/page/src/panels/stage";
@@ -204,8 +204,11 @@ test("every event of all applications has a form that asks for each of its keys 
     for (const field of fields) {
       assert.notEqual(field.help, "", `${name}: ${field.name}`);
       assert.equal(field.kind === "any", field.name === "value", `${name}: ${field.name} is asked for as ${field.kind}`);
+      if (["factor", "mass"].includes(field.name)) assert.ok(!exampleOf(field).includes("mm"), `${name}: ${field.name}, such as ${exampleOf(field)}`);
     }
   }
+  const angles = Object.values(models).flatMap(fieldsOf).filter((field) => field.name === "by" && field.required);
+  assert.ok(angles.length && angles.every((field) => exampleOf(field) === "30 deg"));
 });
 
 test("names of upright lines do not cover each other", () => {

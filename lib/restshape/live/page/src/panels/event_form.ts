@@ -2,7 +2,7 @@
 
 import type { ScriptEvent } from "../protocol";
 import { button, element } from "./element";
-import { fieldsOf, type FieldShape } from "./schema_fields";
+import { exampleOf, fieldsOf, type FieldShape } from "./schema_fields";
 import { pointText, TypedError, valueOf } from "./typed_values";
 
 export interface FormNeeds {
@@ -15,7 +15,7 @@ export interface FormNeeds {
 type Control = HTMLInputElement | HTMLSelectElement;
 
 const HINTS: Partial<Record<FieldShape["kind"], string>> = {
-  quantity: "0.01 or 10 mm", point: "x, y", points: "x, y; x, y; …", pins: "vertex; x, y; …", any: "number, text or JSON",
+  point: "x, y", points: "x, y; x, y; …", pins: "vertex; x, y; …", any: "number, text or JSON",
 };
 
 export class EventForm {
@@ -76,7 +76,8 @@ export class EventForm {
         ...choices.map((choice) => element("option", { value: choice }, field.kind === "yes" ? { true: "yes", false: "no" }[choice]! : choice)));
       return made;
     }
-    const made = element("input", { type: "text", placeholder: field.otherwise || HINTS[field.kind] || "", spellcheck: false });
+    const hint = field.kind === "quantity" ? exampleOf(field) : HINTS[field.kind] ?? "";
+    const made = element("input", { type: "text", placeholder: field.otherwise || hint, spellcheck: false });
     if (field.required) made.setAttribute("aria-required", "true");
     if (field.kind === "point" && field.least > 2) made.placeholder = "x, y, z";
     if (field.kind === "number" || field.kind === "whole") made.inputMode = field.kind === "whole" ? "numeric" : "decimal";

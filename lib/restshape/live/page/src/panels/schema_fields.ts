@@ -37,6 +37,11 @@ export function eventText(event: object): string {
   return typeof text === "string" ? text.split("\n\n")[0]!.replaceAll("``", "").replaceAll("\n", " ") : "";
 }
 
+/** What a quantity may look like, as its schema says: "30 deg" of an angle; else a length. */
+export function exampleOf({ help }: FieldShape): string {
+  return /text such as (.+)$/.exec(help)?.[1] ?? "0.01 or 10 mm";
+}
+
 /** Whether its form needs nothing typed. */
 export function isPlain(event: object): boolean {
   return fieldsOf(event).length === 0;
