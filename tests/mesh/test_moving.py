@@ -1,5 +1,6 @@
 """A mesh under a drag: valid in every frame, on its outline, at the level that the rules of reuse give."""
 
+from copy import deepcopy
 from types import SimpleNamespace
 
 import numpy as np
@@ -313,6 +314,17 @@ def test_the_first_rank_alone_generates():
     assert made == [mesh.mesh] and len(mesh.mesh.node_offsets) == 3
     mesh.update(hand.frame("drag", "move", gesture, (0.9, 0.0)))
     assert made[1] is mesh.mesh
+
+
+def test_a_mesh_that_another_rank_made_lies_on_the_shape_of_the_frame():
+    """Else the old mesh on the new shape is taken for one on the shape before, and jumps depend on ranks."""
+    mesh, hand, gesture = begin("harmonic", ranks=2, broadcast=lambda make: deepcopy(make()))
+    former = mesh.mesh
+    assert former.outline is hand.outline
+    frame = hand.frame("scale", "mesh", gesture, (0.0, 0.0))
+    update = mesh.update(frame)
+    assert update.level == 3 and mesh.mesh is not former and mesh.mesh.outline is frame.outline
+    assert [other.before for other in mesh.other_meshes(update.old_mesh)] == [False]
 
 
 def test_a_drag_repeats_bit_for_bit():

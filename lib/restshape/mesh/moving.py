@@ -544,6 +544,8 @@ class MovingMesh:
             if frame.change in ("move", "shape"):
                 refuse_growth(frame.outline, self.spec, len(self.field_mesh.cells))
             mesh = self._broadcast(lambda: self._generate(frame.outline))
+            # What came from another rank lies on a copy, which no comparison takes for the shape of the frame.
+            mesh.outline = frame.outline
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
         quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
