@@ -172,6 +172,8 @@ def test_formulas_do_not_read_as_quantities():
     ("text", "written"),
     [
         ("100 N*mu", '"(100 N)*mu"'),
+        ("-100 N*mu", '"-(100 N)*mu"'),
+        ("-1000 kg/m^3*mu", 'a = "1000 kg/m^3" in [parameters], and "-a*mu" here'),
         ("100 N*2*mu", '"(100 N)*2*mu"'),
         ("100 N-mu*20 N", '"(100 N)-mu*(20 N)"'),
         ("1000 kg/m^3*mu", 'a = "1000 kg/m^3" in [parameters], and "a*mu" here'),

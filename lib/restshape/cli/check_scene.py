@@ -16,6 +16,7 @@ from pydantic import BaseModel
 from restshape.application import application_of, applications
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
+from restshape.cli.placed_formulas import refuse_without_number
 from restshape.cli.quantity_descriptions import quantity_rows
 from restshape.errors import UserError, one_line
 from restshape.mesh.curve_edges import CurveEdges, curve_edges
@@ -120,6 +121,10 @@ def checked_shape(scene: Scene, effects: Plan) -> tuple[dict[str, Any], Rows, Ou
     outline = starting_outline(scene)
     for physics in application_of(scene).physics:
         physics.checked_shape(scene, outline)
+    try:
+        refuse_without_number(scene, outline)
+    except UserError as error:
+        raise scene.located(error) from error
     if scene.mesh.size and not scene.mesh.file:
         try:
             refuse_endless(outline, scene.mesh.size, scene.mesh.near)
@@ -375,7 +380,7 @@ def replayed(
         seconds = frame.t
         changes[frame.change] += 1
         why = frame.refused
-        if not why and frame.change == "values" and (why := _without_answer(frame)):
+        if not why and frame.change != "none" and (why := _without_answer(frame)):
             session.rollback()
         if why:
             refused.append({"line": frame.line, "frame": frame.index, "do": frame.do, "why": why})
@@ -383,12 +388,14 @@ def replayed(
 
 
 def _without_answer(frame: ScriptFrame) -> str | None:
-    """Why a frame whose values have changed would have no answer, as far as its outline shows; None where it may."""
+    """Why a frame would have no answer, as far as its values and its outline show; None where it may have one."""
     if frame.outline is None:
         return None
     try:
-        for physics in application_of(frame.scene).physics:
-            physics.checked_shape(frame.scene, frame.outline)
+        if frame.change == "values":
+            for physics in application_of(frame.scene).physics:
+                physics.checked_shape(frame.scene, frame.outline)
+        refuse_without_number(frame.scene, frame.outline)
     except UserError as error:
         return error.one_line
     return None

@@ -400,7 +400,8 @@ def _as_formula(value: str) -> str:
 
     A number with one unit stands in parentheses; one with a compound unit, which formulas do not read, is a parameter.
     """
-    pieces = re.split(r"(?<![\^*])\s*([*/+-])\s*(?=[\d.])", value.strip())
+    sign = "-" if value.strip()[:1] == "-" else ""
+    pieces = re.split(r"(?<![\^*])\s*([*/+-])\s*(?=[\d.])", value.strip().lstrip("+-"))
     found = [_leading(piece) for piece in pieces[::2]]
     numbers = [one for one in found if one is not None]
     if len(numbers) < len(found) or (len(pieces) == 1 and not numbers[0][1]):
@@ -411,7 +412,7 @@ def _as_formula(value: str) -> str:
         number if not has_unit else f"({number})" if plain else "abcdef"[k % 6]
         for k, ((number, _), has_unit) in enumerate(zip(numbers, units))
     ]
-    written = "".join(name + rest + op for name, (_, rest), op in zip(names, numbers, [*pieces[1::2], ""]))
+    written = sign + "".join(name + rest + op for name, (_, rest), op in zip(names, numbers, [*pieces[1::2], ""]))
     if plain:
         return f'if it is a formula, write "{written}"'
     given = ", ".join(f'{name} = "{number}"' for name, (number, _) in zip(names, numbers) if name != number)
