@@ -284,6 +284,12 @@ def test_an_entry_needs_a_table_and_its_own_keys(tmp_path):
     for words in ("supports.roller=3", "supports.roller.on=top", "parameters.width=3"):
         with pytest.raises(UserError, match="there is no"):
             load_scene(path, [words])
+    for key in ("points.p", "groups.p"):
+        with pytest.raises(UserError) as refused:
+            load_scene(path, [f"shape.{key}=[1.2,0.3]"])
+        whole = key.removesuffix(".p")
+        assert refused.value.do == f"set the whole table: shape.{whole} = {{ p = ... }}"
+    assert load_scene(path, ["shape.points={p=[1.2,0.3]}"]).shape.points["p"] == (1.2, 0.3)
     with pytest.raises(UserError, match="no key 'axis'"):
         load_scene(path, ['supports.roller={on="top",axis="y"}'])
     with pytest.raises(UserError, match="'roof'"):

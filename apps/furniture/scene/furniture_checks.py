@@ -96,4 +96,4 @@ def _check_number(scene: Scene, source: Source, key: Key, value: Any) -> None:
     except UnitError as error:
         raise source.error(key, error.what, error.do) from error
     if key[-1] in POSITIVE and found <= 0.0:
-        raise source.error(key, f"{found:g} is too small: it must be greater than 0", "")
+        raise source.error(key, f"{found:g} is too small: it must be greater than 0", "give a number above 0")

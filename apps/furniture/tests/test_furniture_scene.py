@@ -99,7 +99,7 @@ WRONG = [
     ("unknown plank", ('on = "top"', 'on = "topp"'), ("weights.box.on (line", "did you mean 'top'")),
     ("no wood", ('"pine"', '"pien"'), ("wood.name (line", "no wood pien", "pine")),
     ("no fastener", ('"screw"', '"glue"'), ("fastener.name (line", "no fastener glue", "dowel")),
-    ("flat", ("thickness = 0.02", "thickness = 0"), ("wood.thickness (line", "greater than 0")),
+    ("flat", ("thickness = 0.02", "thickness = 0"), ("wood.thickness (line", "greater than 0", "number above 0")),
     ("unknown key", ("width = [0, 0.3, 0]", "widht = [0, 0.3, 0]"), ("planks.top.widht (line", "did you mean 'width'")),
     ("half drawn", (DRAWN, "from = [0, 0, 0]\nto = [0, 0, 1]"), ("planks.left (line", "'width' is missing")),
     ("both ways", (DRAWN, DRAWN + "\nsize = [1, 1]"), ("planks.left (line", "'size' stands beside 'from'")),

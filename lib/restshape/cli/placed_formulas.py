@@ -25,8 +25,8 @@ ACROSS = 24
 def refuse_without_number(scene: Scene, outline: Outline) -> None:
     """Refuses formulas of places that are not finite on the part of the shape that they are for.
 
-    Those that name the time are left out. Gaps between the places that are looked at may be missed. Second-order elements
-    integrate loads by points within each side, so that these need no number at the ends of edges.
+    Those that name the time are left out. Gaps between the places that are looked at may be missed. Second-order
+    elements integrate loads by points within each side, so that these need no number at the ends of edges.
 
     Raises:
         UserError: the first such formula, with a place where it has no number.

@@ -63,7 +63,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
                 f"{'.'.join(key[:depth])} is a single value and has no key {part!r}", where, "shorten the key"
             )
         elif part not in here and key != FOR_ALL and not (adds and last) and _has_names(key[:depth]):
-            do = suggestion(part, sorted(here)) or _by_its_table(key[:depth])
+            do = suggestion(part, sorted(here)) or _by_its_table(key[:depth], part)
             raise UserError(f"there is no {'.'.join(key[: depth + 1])}", where, do)
         if isinstance(here, list):
             if last:
@@ -100,8 +100,10 @@ def _branched_list(entries: list[object], key: tuple[str, ...]) -> list[object]:
     return found
 
 
-def _by_its_table(key: tuple[str, ...]) -> str:
+def _by_its_table(key: tuple[str, ...], name: str) -> str:
     """What to do about a name in a named table that is empty: to give all of what it names, with the keys it needs."""
+    if key[0] == "shape":
+        return f"set the whole table: {'.'.join(key)} = {{ {name} = ... }}"
     section = joined_sections(installed_physics(applications().values())).get(key[0]) if len(key) == 1 else None
     fields = section.model.model_fields if section else {}
     needed = ", ".join(field.alias or name for name, field in fields.items() if field.is_required())
