@@ -62,3 +62,25 @@ def test_of_cloth(refused, tmp_path, kind):
     what = 'energy = "membrane"' if kind == "energies" else "folds = true"
     scene = write_cloth(tmp_path, PIN, CONTACT, f'[quantities]\nq = {{ {what}, at = "left" }}\n')
     assert f"{kind} of cloth are those of all of it" in refused(scene)
+
+
+LARGE = ("effects.large_deformation={}", "mesh.order=2")
+
+
+def test_errors_that_are_not_estimated(refused, tmp_path):
+    """Of what is not linear, and of what goes on in time; each quantity that asks for its own."""
+    what = "errors are estimated in symmetric steady linear scenes"
+    scene = write_scene(tmp_path, plate())
+    assert what in refused(scene, *LARGE, "quantities.stretch.error=true")
+    assert main(["check", str(scene), "--set", "quantities.stretch.error=true"]) == 0
+    assert (
+        main(["check", str(scene), *(word for one in (*LARGE, "quantities.error=true") for word in ("--set", one))])
+        == 0
+    )
+
+
+def test_jumps_that_cannot_be_estimated(refused, tmp_path):
+    """And errors: cloth that has several rests has neither."""
+    scene = write_cloth(tmp_path, PIN)
+    assert "what the mesh alone does cannot be estimated" in refused(scene, "solve.jumps=true")
+    assert "errors are estimated in" in refused(scene, 'quantities.q={displacement="z",at="left",error=true}')

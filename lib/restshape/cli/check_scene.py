@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from restshape.application import application_of, applications
+from restshape.cli.asked_columns import refuse_columns
 from restshape.cli.doubts import doubts, script_doubts
 from restshape.cli.options import print_table, read_scene, write_json
 from restshape.cli.placed_formulas import refuse_without_number
@@ -61,6 +62,7 @@ def check(args: argparse.Namespace, begin_frame: Callable[[], None]) -> int:
     app = application_of(scene)
     effects = plan(scene, app)
     data, rows, outline = app.editing.checked(scene, effects)
+    refuse_columns(scene, app)
     warnings = [] if outline is None else start_warnings(scene, effects, outline)
     if warnings:
         data["warnings"] += warnings

@@ -150,6 +150,17 @@ def jumps_wanted(scene: Scene, application: Application) -> bool:
     return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
 
 
+def refuse_asked_jumps(scene: Scene, application: Application) -> None:
+    """Refuses jumps by the mesh that a scene asks for where there are none.
+
+    Raises:
+        UserError: it does.
+    """
+    if scene.solve.jumps and not jumps_wanted(scene, application):
+        what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
+        raise scene.located(UserError(what, "solve.jumps", "leave it out"))
+
+
 def columns_of(scene: Scene, application: Application, predict: str = "none") -> dict[str, npt.DTypeLike]:
     """The columns of replays of a scene.
 

@@ -21,6 +21,22 @@ if TYPE_CHECKING:
     from restshape.scene.model import Scene
 
 
+def asked_errors(scene: Scene) -> list[str]:
+    """The quantities whose errors a scene asks for, each by itself."""
+    given = table_in(scene.raw, "quantities")
+    return [name for name in given if table_in(given, name).get("error") is True]
+
+
+def refuse_asked_errors(scene: Scene) -> None:
+    """Refuses errors that a scene asks for where its analysis estimates none.
+
+    Raises:
+        UserError: a quantity asks for its error.
+    """
+    for name in asked_errors(scene):
+        raise scene.located(UserError(NONE_HERE, f"quantities.{name}.error", LEAVE_OUT))
+
+
 class QuantityErrorColumns:
     """Estimates errors of the quantities that a scene wants them of, frame after frame.
 
@@ -46,11 +62,8 @@ class QuantityErrorColumns:
         self.names = estimated_quantities(scene, application)
         self.estimates = estimates
         if self.estimates is None:
-            given = table_in(scene.raw, "quantities")
-            asked = next((name for name in given if table_in(given, name).get("error") is True), None)
-            if asked is not None:
-                raise scene.located(UserError(NONE_HERE, f"quantities.{asked}.error", LEAVE_OUT))
-            self.note = NO_ERRORS if given.get(ALL_ERRORS) is True else ""
+            refuse_asked_errors(scene)
+            self.note = NO_ERRORS if table_in(scene.raw, "quantities").get(ALL_ERRORS) is True else ""
             self.names = []
         self.singular = singular
         self._known: tuple[object, list[str], dict[str, float]] = (None, [], {})

@@ -16,7 +16,7 @@ from restshape.analysis.made_analysis import made_analysis
 from restshape.analysis.row_values import number, text
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
-from restshape.replay.columns import jump_column, jumps_wanted
+from restshape.replay.columns import jump_column, jumps_wanted, refuse_asked_jumps
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import RowValues
@@ -66,9 +66,7 @@ class MeshJumps:
     def __init__(self, scene: Scene, application: Application, analysis: Analysis[Problem], context: Context) -> None:
         self.application, self.context, self.analysis = application, context, analysis
         self.wanted = jumps_wanted(scene, application)
-        if scene.solve.jumps and not self.wanted:
-            what = "what the mesh alone does cannot be estimated in such scenes, which have several answers"
-            raise scene.located(UserError(what, "solve.jumps", "leave it out"))
+        refuse_asked_jumps(scene, application)
         self._last: tuple[Scene | None, RowValues] = (None, {})
         self._blank: tuple[Scene | None, RowValues] = (None, {})
         self._before: State[Problem] | None = None
