@@ -61,9 +61,11 @@ def test_an_edit_that_takes_the_last_hold_away_is_refused(tmp_path, capsys):
 @pytest.mark.parametrize("film", ['"-1 W/(m^2 K)"', '"5 - S*3"', '"5*(y - 0.6)"'])
 def test_a_film_below_nothing_is_refused(tmp_path, capsys, film):
     scene = write_scene(tmp_path, BODY + AIR.replace("film = 5", f"film = {film}") + "[parameters]\nS = 2\n")
-    assert main(["replay", str(scene)]) == 2
-    said = capsys.readouterr().err
-    assert "loads.air.convection.film" in said and "film coefficient of -" in said and "is below 0" in said
+    for command in ("check", "replay"):
+        assert main([command, str(scene)]) == 2
+        said = capsys.readouterr().err
+        assert "loads.air.convection.film" in said and "a film coefficient of -" in said and "is below 0" in said
+        assert "is a film coefficient" not in said
 
 
 def test_a_film_by_place_holds_the_temperature(tmp_path):

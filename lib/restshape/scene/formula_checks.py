@@ -63,7 +63,7 @@ def _refuse_impossible(
             raise source.error(place, f"the formula {formula.text!r} gives {value}", "change it, or the parameters")
         refuse_impossible(value, formula.wanted)
     except UnitError as error:
-        raise source.error(place, f"{formula.text!r} is {error.what}", error.do) from error
+        raise source.error(place, f"{formula.text!r}: {error.what}", error.do) from error
 
 
 Found = list[tuple[tuple[str, ...], Expression]]

@@ -91,7 +91,7 @@ class Parameters:
         try:
             refuse_impossible(value, formula.wanted)
         except UnitError as error:
-            raise UnitError(f"{formula.text!r} is {error.what}", error.do) from error
+            raise UnitError(f"{formula.text!r}: {error.what}", error.do) from error
         return value
 
 
