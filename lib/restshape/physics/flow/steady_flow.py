@@ -82,14 +82,24 @@ class SteadyFlowAnalysis(NonlinearSteadyAnalysis):
 
     def missing(self) -> np.ndarray | None:
         """About what predicted unknowns (n, f) lack to be the flow, found once a prediction; None where not known."""
-        state, kept = self.state, self.solver.kept
-        if not (state.predicted and kept.ready and kept.exact and kept.size.unknowns == state.x.size):
+        state = self.state
+        if not state.predicted:
             return None
         if self._missing[0] is not state:
-            rest = unconstrained_residual(state.problem, state.x)
-            state.problem.boundary.zero(rest)
-            self._missing = state, -self._factor(rest.ravel()).reshape(rest.shape)
+            found = self._lacking(state.problem, state.x)
+            if found is None:
+                return None
+            self._missing = state, found
         return self._missing[1]
+
+    def _lacking(self, problem: SteadyProblem, x: np.ndarray) -> np.ndarray | None:
+        """About what unknowns x (n, f) lack to be the flow, by the kept factor; None where there is no complete one."""
+        kept = self.solver.kept
+        if not (kept.ready and kept.exact and kept.size.unknowns == x.size):
+            return None
+        rest = unconstrained_residual(problem, x)
+        problem.boundary.zero(rest)
+        return -self._factor(rest.ravel()).reshape(rest.shape)
 
     def _factor(self, rest: np.ndarray) -> np.ndarray:
         """What the kept factor makes of a residual (n f,), by vectors that stay as long as there are as many rows."""

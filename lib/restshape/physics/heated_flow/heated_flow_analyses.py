@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from restshape.physics.flow.history import Past
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.flow.steady_flow import SteadyFlowAnalysis
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
+from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch
 from restshape.physics.heated_flow.isothermal_flow import IsothermalFlow
 from restshape.physics.heated_flow.split_search import SplitParts, SplitSearch
 from restshape.physics.heated_flow.still_fluid import StillFluid
@@ -115,6 +117,13 @@ class SteadyHeatedFlow(Switching, SteadyFlowAnalysis):
 
     Source: docs/theory/flow.md.
     """
+
+    def _search(self, equations: ResidualEquations) -> FlowSearch:
+        found, problem = super()._search(equations), equations.problem
+        if isinstance(found, SplitSearch) or not isinstance(problem, HeatedFlow):
+            return found
+        newton, tolerance = self.state.system.newton, self.solver.tolerance
+        return HeatedFlowSearch(problem, equations, newton, self._goal, tolerance, partial(self._lacking, problem))
 
 
 class HeatedFlowInTime(Switching, FlowInTimeAnalysis):
