@@ -1,6 +1,5 @@
 """Steady flows with heat agree with cold solves where temperatures answer strongly: water at large Peclet numbers."""
 
-import pytest
 from restshape_studies.stability.scenery import make_replay, write_scene, write_script
 
 from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch

@@ -10,6 +10,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
 from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
+from restshape.scene.plain_values import table_in
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -148,6 +149,12 @@ def jumps_wanted(scene: Scene, application: Application) -> bool:
     """Whether frames report what changes of the mesh alone do to quantities."""
     has_mesh = application.editing.has_mesh
     return scene.solve.jumps is not False and has_mesh and all(one.mesh_jumps for one in application.physics)
+
+
+def asked_errors(scene: Scene) -> list[str]:
+    """The quantities whose errors a scene asks for, each by itself."""
+    given = table_in(scene.raw, "quantities")
+    return [name for name in given if table_in(given, name).get("error") is True]
 
 
 def refuse_asked_jumps(scene: Scene, application: Application) -> None:

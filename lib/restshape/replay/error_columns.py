@@ -10,7 +10,7 @@ import numpy as np
 from restshape.analysis.quantity_errors import LEAVE_OUT, NO_ERRORS, NONE_HERE
 from restshape.analysis.row_values import text, whole
 from restshape.errors import UserError
-from restshape.replay.columns import error_column, estimated_quantities
+from restshape.replay.columns import asked_errors, error_column, estimated_quantities
 from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import ALL_ERRORS
 
@@ -19,12 +19,6 @@ if TYPE_CHECKING:
     from restshape.application import Application
     from restshape.replay.estimated_frames import WantedErrors
     from restshape.scene.model import Scene
-
-
-def asked_errors(scene: Scene) -> list[str]:
-    """The quantities whose errors a scene asks for, each by itself."""
-    given = table_in(scene.raw, "quantities")
-    return [name for name in given if table_in(given, name).get("error") is True]
 
 
 def refuse_asked_errors(scene: Scene) -> None:
