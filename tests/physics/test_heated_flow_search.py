@@ -1,24 +1,22 @@
 """Steady flows with heat agree with cold solves where temperatures answer strongly: water at large Peclet numbers."""
 
 from restshape_studies.stability.scenery import make_replay, write_scene, write_script
+from restshape_verification.flow.heated_scenes import HEAD
 
 from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch
 from restshape.replay.parity import Parity
 
-CHANNEL = """
-format = "restshape-scene"
-version = 1
-app = "thermal"
+CHANNEL = f"""{HEAD}
 [shape]
 outline = ["south", "outlet", "north", "inlet"]
-vertices = { a = [0, 0], b = ["200 mm", 0], c = ["200 mm", "20 mm"], d = [0, "20 mm"] }
+vertices = {{ a = [0, 0], b = ["200 mm", 0], c = ["200 mm", "20 mm"], d = [0, "20 mm"] }}
 [shape.edges]
-south = { line = ["a", "b"] }
-outlet = { line = ["b", "c"] }
-north = { line = ["c", "d"] }
-inlet = { line = ["d", "a"] }
+south = {{ line = ["a", "b"] }}
+outlet = {{ line = ["b", "c"] }}
+north = {{ line = ["c", "d"] }}
+inlet = {{ line = ["d", "a"] }}
 [shape.holes]
-pin = { circle = { center = ["50 mm", "10 mm"], radius = "3 mm" } }
+pin = {{ circle = {{ center = ["50 mm", "10 mm"], radius = "3 mm" }} }}
 [fluid]
 name = "water"
 reference = "20 degC"
@@ -41,14 +39,14 @@ on = "south"
 wall = true
 heat_flux = "2 kW/m^2"
 [effects]
-flow = {}
-convection = {}
-heat = {}
+flow = {{}}
+convection = {{}}
+heat = {{}}
 [mesh]
 size = "2 mm"
-near = { pin = "0.6 mm" }
+near = {{ pin = "0.6 mm" }}
 [quantities]
-heat = { heat_flow = true, at = "pin" }
+heat = {{ heat_flow = true, at = "pin" }}
 """
 DRAG = [
     {"do": "press", "on": "pin"},
