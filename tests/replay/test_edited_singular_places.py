@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from small_scenes import CLAMPED, HEAD, STEEL, make_replay, rows_of, write_scene, write_script
+from small_scenes import CLAMPED, HEAD, STEEL, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.singular_quantities import AT, NO_MORE
@@ -114,17 +114,30 @@ def test_a_value_that_is_set_beside_them_takes_no_time(tmp_path, monkeypatch):
     assert len(rows) == 3 and rows[2]["tip_max"] == 800e6 and len(seen) == 1
 
 
-def test_frames_within_a_drag_take_no_time_for_it(tmp_path, monkeypatch):
-    """Exponents of new angles take as long as some frames."""
-    seen = []
+@pytest.fixture
+def looked_at(monkeypatch):
+    """The outlines whose places were looked for."""
     from restshape.replay import singular_quantities
 
-    found = singular_quantities.SingularQuantities._found
+    seen, found = [], singular_quantities.SingularQuantities._found
     monkeypatch.setattr(
         singular_quantities.SingularQuantities,
         "_found",
         lambda self, scene, outline: seen.append(outline) or found(self, scene, outline),
     )
+    return seen
+
+
+def test_frames_within_a_drag_take_no_time_for_it(tmp_path, looked_at):
+    """Exponents of new angles take as long as some frames."""
     rows = moved(tmp_path, 1.0, 0.95, frames=8)
     # The first shape, the first one that moved, and the last one.
-    assert len(seen) == 3 + sum(row["level"] > 1 for row in rows[3:-1]) and rows[-1]["constraint_status"] != FAILS
+    assert len(looked_at) == 3 + sum(row["level"] > 2 for row in rows[3:-1]) and rows[-1]["constraint_status"] != FAILS
+
+
+def test_frames_with_flips_take_no_time_for_it(tmp_path, looked_at):
+    script = write_script(
+        tmp_path, drag("window", (0.5, 0.5), [(0.5 + 0.03 * k, 0.5 + 0.01 * k) for k in range(1, 24)])
+    )
+    levels = [row["level"] for row in rows_of(make_replay(write_scene(tmp_path, plate(0.1)), script))]
+    assert levels.count(2) > 2 and len(looked_at) == 3 + levels[3:-1].count(3)

@@ -22,7 +22,7 @@ CAUSES = ("supports", "loads", "material")
 
 
 class SingularQuantities:
-    """Finds the singular places of the first shape, and of those at which an edit begins, ends or has a new mesh.
+    """Finds the singular places of the first shape, and of those at which an edit begins, ends or is meshed anew.
 
     An edit may also be one of the supports, loads or materials.
 
@@ -55,7 +55,8 @@ class SingularQuantities:
     def _looked(self, edit: ScriptFrame, row: RowValues) -> RowValues:
         began, self._moving = not self._moving, not edit.edit_ended
         outline, scene = self.session.outline, edit.scene
-        if not (began or edit.edit_ended or whole(row, "level") > 1):
+        # Places are of the shape: flips alone are no reason to look.
+        if not (began or edit.edit_ended or whole(row, "level") > 2):
             return {}
         (old, before), self._seen = self._seen, (scene, outline)
         if outline is before and (scene is old or all(getattr(scene, key) == getattr(old, key) for key in CAUSES)):
