@@ -22,7 +22,7 @@ CAUSES = ("supports", "loads", "material")
 
 
 class SingularQuantities:
-    """Finds the singular places of the first shape, and of those at which an edit begins, ends or is meshed anew.
+    """Finds the singular places of the first shape, and of those at which an edit begins, ends or is meshed again.
 
     An edit may also be one of the supports, loads or materials.
 
