@@ -20,7 +20,7 @@ import { whatDraws } from "../../../lib/restshape/live/page/src/draw/drawn";
 import { frameOf } from "../../../lib/restshape/live/page/src/frames";
 import { newName } from "../../../lib/restshape/live/page/src/hand/names";
 import { boxArea, inside, nearestOnPath, rayHit } from "../../../lib/restshape/live/page/src/hand/nearest";
-import { folded, placeOf, roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
+import { folded, Labels, placeOf, roomFor } from "../../../lib/restshape/live/page/src/draw/labels";
 import { Turns } from "../../../lib/restshape/live/page/src/hand/turns";
 import { turn } from "../../../lib/restshape/live/page/src/hand/turning";
 import { placeOnWay } from "../../../lib/restshape/live/page/src/hand/ways";
@@ -281,6 +281,40 @@ test("words stay within the picture on all sides of their place", () => {
   }
   const tall = roomFor({ width: 60, height: 32, spot: 2 }, 100, 290, free)!;
   assert.ok(tall[3] === 300 && tall[1] === 268);
+});
+
+interface Written { style: { visibility: string; transform: string }; textContent: string; }
+
+/** Words on a page that is none: their elements, and what waits for the painter's next turn; resized: how often they are placed anew. */
+function labelled(): { labels: Labels; elements: Written[]; turn: () => void; resized: () => number } {
+  const elements: Written[] = [];
+  let waiting = (): void => {}, resized = 0;
+  globalThis.document = {
+    createElement: (kind: string) => (kind === "canvas" ? { getContext: () => null } : { style: {}, textContent: "" }),
+  } as never;
+  globalThis.devicePixelRatio = 1;
+  const over = { append: (one: Written) => elements.push(one) }, painter = { soon: (then: () => void) => { waiting = then; } };
+  const labels = new Labels(over as never, painter as never, () => { resized += 1; });
+  return { labels, elements, turn: () => waiting(), resized: () => resized };
+}
+
+test("words that are written anew are placed anew where their size is another one", () => {
+  const { labels, elements, turn, resized } = labelled(), peak = { at: [50, 50, 0], meaning: "guide" };
+  for (const [text, count] of [["peak", 0], ["peak 12 MPa", 1], ["peak 14 MPa", 1]] as const) {
+    labels.set("words", [{ ...peak, text }]);
+    turn();
+    assert.deepEqual([elements[0]!.textContent, resized()], [text, count]);
+  }
+});
+
+test("words that say something by themselves have their places before those of lines", () => {
+  const { labels, elements } = labelled();
+  const at = Array.from({ length: 10 }, () => ({ at: [50, 50, 0], meaning: "guide" }));
+  labels.set("lines", at.map((one, i) => ({ ...one, text: `line ${i}` })));
+  labels.set("words", [{ ...at[0]!, text: "peak 12 MPa" }], true);
+  labels.place({ toScreen: (x: number, y: number) => ({ x, y, z: 0 }) } as never, 400, 300, 1, []);
+  const seen = elements.filter((one) => one.style.visibility !== "hidden").map((one) => one.textContent);
+  assert.deepEqual(seen, ["peak 12 MPa"]);
 });
 
 test("words that are wider than the picture come in lines", () => {

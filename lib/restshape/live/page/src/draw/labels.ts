@@ -28,12 +28,15 @@ export class Labels {
   covered: Box[] = [];                               // where no word is, since something else lies there
   private room = Infinity;                           // width of the picture
   private readonly sets = new Map<string, Shown[]>();
+  private readonly foremost = new Set<string>();     // names of words that have their places before those of lines and arrows
   private readonly work = new Vector3();
 
-  constructor(private readonly over: HTMLElement, private readonly painter: Painter) {}
+  /** resized: is told that words have another size, and so perhaps another place. */
+  constructor(private readonly over: HTMLElement, private readonly painter: Painter, private readonly resized: () => void) {}
 
   /** Words under a name, in place of those before; none: takes them away. False: there were none, and there are none. */
-  set(name: string, words: readonly Word[]): boolean {
+  set(name: string, words: readonly Word[], foremost = false): boolean {
+    if (foremost) this.foremost.add(name);
     const shown = this.sets.get(name) ?? [], any = shown.length + words.length > 0;
     while (shown.length > words.length) shown.pop()!.element.remove();
     while (shown.length < words.length) shown.push(this.make());
@@ -47,7 +50,7 @@ export class Labels {
   place(view: View, width: number, height: number, scale: number, handles: readonly Box[]): void {
     if (width !== this.room) this.foldAll(width);
     const taken: Box[] = [...this.covered], spots = this.count > MANY ? 1 : SPOTS.length;
-    for (const shown of this.sets.values()) {
+    for (const shown of this.inOrder()) {
       for (const one of shown) {
         const { x, y, z } = view.toScreen(
           one.at.x + scale * one.moved.x, one.at.y + scale * one.moved.y, one.at.z + scale * one.moved.z, this.work,
@@ -62,6 +65,10 @@ export class Labels {
         if (free && one.place !== place) one.element.style.transform = one.place = place;
       }
     }
+  }
+
+  private *inOrder(): Iterable<Shown[]> {
+    for (const first of [true, false]) for (const [name, shown] of this.sets) if (this.foremost.has(name) === first) yield shown;
   }
 
   private get count(): number {
@@ -88,7 +95,15 @@ export class Labels {
   }
 
   private readonly sayAll = (): void => {
-    for (const shown of this.sets.values()) for (const one of shown) say(one, this.room);
+    let resized = false;
+    for (const shown of this.sets.values()) {
+      for (const one of shown) {
+        const { width, height } = one;
+        say(one, this.room);
+        resized ||= one.width !== width || one.height !== height;
+      }
+    }
+    if (resized) this.resized();
   };
 
   /** The picture is as wide as that now. */

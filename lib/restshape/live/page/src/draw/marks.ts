@@ -75,7 +75,7 @@ export class Marks {
   }
 
   setWords(name: string, words: readonly Word[] | null): void {
-    if (this.labels.set(name, words ?? [])) this.changed();
+    if (this.labels.set(name, words ?? [], true)) this.changed();
   }
 
   private begin(name: string, what: unknown): Drawn {

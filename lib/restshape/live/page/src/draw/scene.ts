@@ -56,7 +56,7 @@ export class Scene {
     private readonly painter: Painter, private readonly means: Means,
   ) {
     this.drawer = means === "card" ? new CardDrawer(canvas) : new SoftwareDrawer(canvas, this.shared, false, means);
-    this.labels = new Labels(labels, painter);
+    this.labels = new Labels(labels, painter, () => this.request());
     this.bar = new ColourBar(bar, painter);
     this.marks = new Marks(this.scene, this.shared, this.theme, this.labels, () => this.request());
     this.scene.add(this.group, this.overlay);
