@@ -5,7 +5,7 @@ import signal
 
 import numpy as np
 import pytest
-from browser import BrowserPage, Session, context_of, rest
+from browser import SECONDS, BrowserPage, Session, context_of, rest
 from live_worker import BRACKET, COARSE, replayed
 
 import restshape
@@ -251,6 +251,19 @@ def test_the_tone_is_heard_after_a_blow(context, session):
     assert page.tab.locator("#labels span", has_text="mallet").count() == 1
     assert not page.faults and not page.of("refused")
     live.end()
+
+
+def test_a_session_that_ends_before_its_first_frame_says_so(bracket_session, context):
+    live = bracket_session()
+    simulating = live.simulating()
+    os.kill(simulating, signal.SIGSTOP)
+    tab = context.new_page()
+    tab.goto(live.address)
+    tab.get_by_text("the simulation starts").wait_for()
+    os.kill(simulating, signal.SIGKILL)
+    tab.get_by_text("The session has ended before its first frame.").wait_for()
+    assert not tab.locator(".busy").is_visible()
+    assert live.process.wait(SECONDS) == 128 + signal.SIGKILL
 
 
 @pytest.mark.weekly

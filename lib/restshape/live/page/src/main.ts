@@ -28,10 +28,8 @@ function show(): void {
   const canvas = document.getElementById("canvas") as HTMLCanvasElement;
   const means = meansOf();
   if (!means) {
-    const unable = document.getElementById("unable")!;
-    unable.textContent = "This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
-      + "a current Firefox, Chrome, Edge or Safari. The panels work without it.";
-    unable.hidden = false;
+    sayUnable("This browser has no WebGL 2, with which the page draws. Switch hardware acceleration on, or open the address in "
+      + "a current Firefox, Chrome, Edge or Safari. The panels work without it.");
     const nothing = (): void => undefined;
     showPanels(app, { pick: () => Promise.resolve(null), where: () => null, shape: () => null, setLines: nothing, setArrows: nothing, setWords: nothing }, painter);
     return;
@@ -40,7 +38,15 @@ function show(): void {
   showPanels(app, joinHand(app, scene), painter);
 }
 
+/** Says in place of the picture why there is none. */
+function sayUnable(why: string): void {
+  const unable = document.getElementById("unable")!;
+  unable.textContent = why;
+  unable.hidden = false;
+}
+
 function linked(open: boolean, why?: "elsewhere" | "ended"): void {
   const link: Link = open ? "open" : why ? why : app.welcome ? "lost" : "connecting";
   app.tell("link", link);
+  if (link === "ended" && !app.frame) sayUnable("The session has ended before its first frame. The command that began it says why.");
 }

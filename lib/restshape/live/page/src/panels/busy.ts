@@ -23,6 +23,7 @@ export function showBusy(app: App): HTMLElement {
   });
   for (const over of ["done", "refused", "declined", "rates", "struck", "saved", "written", "welcome"] as const) app.on(over, end);
   app.on("frame", () => { if (!shows) end(); });
+  app.on("link", (link) => { if (link === "ended") end(); });
   app.on("lost", ({ restarting }) => {
     shows = false;
     if (!restarting) end();
