@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <new>
 
 #include "algebra/block_factor.hpp"
 #include "algebra/block_substitution.hpp"
 #include "algebra/factor_pattern.hpp"
 #include "algebra/node_graph.hpp"
+#include "algebra/within_memory.hpp"
 
 // PETSc's factor in symmetric blocks takes the natural order alone, and an analysis that grows with the square of its
 // rows. This one is found by rows (`factor_pattern`), made by rows of alike columns (`BlockFactor`), and substituted in
@@ -29,6 +29,7 @@ namespace {
 constexpr PetscInt large = 4000, several = 2;
 // Such nodes from which on dissection takes less than it saves of the first factor.
 constexpr PetscInt dissected_at_once = 20000;
+
 struct NodeCholesky {
     UpperBlocks blocks;
     PetscInt made = 0;  // factors of this pattern
@@ -71,18 +72,6 @@ PetscErrorCode with_pattern(Mat A, const Use& use) {
     PetscCall(use(a));
     PetscCall(MatRestoreRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
     PetscFunctionReturn(0);
-}
-
-// Makes what PETSc has asked for, which is C: nothing may be thrown through it. A factor gives no numbers until
-// it is made, which PETSc tries anew after this error alone.
-template <class Make>
-PetscErrorCode within_memory(Mat F, const Make& make) {
-    F->factorerrortype = MAT_FACTOR_NUMERIC_ZEROPIVOT;
-    try {
-        return make();
-    } catch (const std::bad_alloc&) {
-        SETERRQ(PETSC_COMM_SELF, PETSC_ERR_MEM, "no memory for a factor in blocks of nodes");
-    }
 }
 
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);

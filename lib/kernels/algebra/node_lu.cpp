@@ -2,9 +2,11 @@
 
 #include <petsc/private/matimpl.h>
 
+#include <limits>
 #include <memory>
 
 #include "algebra/lu_rows.hpp"
+#include "algebra/within_memory.hpp"
 
 namespace restshape {
 namespace {
@@ -20,6 +22,7 @@ struct NodeLu {
     LuSources from;
     std::vector<PetscInt> order;
     double products = 0.0;
+    bool whole = false;
 };
 
 template <int blocks, class Value>
@@ -99,19 +102,27 @@ PetscErrorCode order_nodes(PetscInt n, const PetscInt* start, const PetscInt* co
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
+PetscErrorCode make_numbers(Mat F, Mat A) {
     NodeLu& lu = *of(F)->made;
     double* value;
     PetscFunctionBegin;
+    lu.whole = false;
     PetscCall(MatSeqBAIJGetArray(A, &value));
     lu.numbers(value);
     PetscCall(MatSeqBAIJRestoreArray(A, &value));
+    lu.whole = true;
     F->factorerrortype = lu.zero() ? MAT_FACTOR_NUMERIC_ZEROPIVOT : MAT_FACTOR_NOERROR;
     PetscCall(PetscLogFlops(2.0 * lu.size() * lu.size() * lu.size() * lu.products));
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode symbolic(Mat F, Mat A, IS, IS, const MatFactorInfo*) {
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
+    PetscFunctionBegin;
+    PetscCall(within_memory(F, [&] { return make_numbers(F, A); }));
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode analyse(Mat F, Mat A) {
     PetscInt size, n;
     const PetscInt *start, *column;
     PetscBool done;
@@ -128,6 +139,13 @@ PetscErrorCode symbolic(Mat F, Mat A, IS, IS, const MatFactorInfo*) {
     PetscCheck(good, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_lu needs a symmetric pattern with its whole diagonal");
     lu.factor = LuPattern::filled(lu.matrix);
     F->ops->lufactornumeric = numeric;
+    F->factorerrortype = MAT_FACTOR_NOERROR;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode symbolic(Mat F, Mat A, IS, IS, const MatFactorInfo*) {
+    PetscFunctionBegin;
+    PetscCall(within_memory(F, [&] { return analyse(F, A); }));
     PetscFunctionReturn(0);
 }
 
@@ -136,6 +154,11 @@ PetscErrorCode solve(Mat F, Vec b, Vec x) {
     const double* from;
     double* to;
     PetscFunctionBegin;
+    // PETSc takes one for made whose numbers memory did not hold.
+    if (!lu.whole) {
+        PetscCall(VecSet(x, std::numeric_limits<double>::quiet_NaN()));
+        PetscFunctionReturn(0);
+    }
     PetscCall(VecGetArrayRead(b, &from));
     PetscCall(VecGetArrayWrite(x, &to));
     lu.solve(from, to);
