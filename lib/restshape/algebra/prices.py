@@ -83,9 +83,9 @@ class Prices(NamedTuple):
 
 def prices(kind: str, size: Size, filled: float, known: Calibration) -> Prices:
     """What a preconditioner of PETSc's type `kind` costs with `filled` nonzeros in all; ranks share the work evenly."""
-    known = _of_incomplete_factors(known) if kind in ("ilu", "icc") else known
-    known = _of_single_numbers(known) if size.fields == 1 and kind in ("cholesky", "gamg") else known
-    known = _of_bodies_in_space(known) if size.dimension == 3 and not size.sheet else known
+    known = _scaled(known, "incomplete factors") if kind in ("ilu", "icc") else known
+    known = _scaled(known, "single numbers") if size.fields == 1 and kind in ("cholesky", "gamg") else known
+    known = _scaled(known, "bodies in space") if size.dimension == 3 and not size.sheet else known
     filled = filled / size.ranks
     work = (math.ceil(size.unknowns / size.ranks), size.nonzeros / size.ranks)
     once, product = known.pass_seconds(*work) + exchange_seconds(kind, size), known.matvec_nonzero * work[1]
@@ -186,37 +186,32 @@ BICGSTAB_VECTORS = 2.5
 """Work on vectors of an iteration of BiCGStab, over that of CG."""
 
 
-@lru_cache(maxsize=4)
-def _of_single_numbers(known: Calibration) -> Calibration:
-    return replace(
-        known,
-        symbolic_nonzero=SINGLE_SYMBOLIC * known.symbolic_nonzero,
-        numeric_nonzero=SINGLE_NUMERIC * known.numeric_nonzero,
-        numeric_work=SINGLE_NUMERIC * known.numeric_work,
-        solve_nonzero=SINGLE_SOLVE * known.solve_nonzero,
-        matvec_nonzero=SINGLE_PRODUCT * known.matvec_nonzero,
-        gamg_solve_nonzero=SINGLE_CYCLE * known.gamg_solve_nonzero,
-        gamg_refresh_nonzero=SINGLE_REFRESH * known.gamg_refresh_nonzero,
-        gamg_setup_nonzero=SINGLE_SETUP * known.gamg_setup_nonzero,
-    )
+_SCALES = {
+    "single numbers": {
+        "symbolic_nonzero": SINGLE_SYMBOLIC,
+        "numeric_nonzero": SINGLE_NUMERIC,
+        "numeric_work": SINGLE_NUMERIC,
+        "solve_nonzero": SINGLE_SOLVE,
+        "matvec_nonzero": SINGLE_PRODUCT,
+        "gamg_solve_nonzero": SINGLE_CYCLE,
+        "gamg_refresh_nonzero": SINGLE_REFRESH,
+        "gamg_setup_nonzero": SINGLE_SETUP,
+    },
+    "bodies in space": {
+        "numeric_work": SPACE_WORK,
+        "gamg_solve_nonzero": SPACE_CYCLE,
+        "matvec_nonzero": SPACE_PRODUCT,
+    },
+    "incomplete factors": {
+        "symbolic_nonzero": PETSC_SYMBOLIC,
+        "numeric_nonzero": PETSC_NUMERIC,
+        "numeric_work": PETSC_NUMERIC,
+        "solve_nonzero": PETSC_SOLVE,
+    },
+}
+"""Entries of a calibration over those of blocks of two rows with complete factors, by what differs."""
 
 
-@lru_cache(maxsize=4)
-def _of_bodies_in_space(known: Calibration) -> Calibration:
-    return replace(
-        known,
-        numeric_work=SPACE_WORK * known.numeric_work,
-        gamg_solve_nonzero=SPACE_CYCLE * known.gamg_solve_nonzero,
-        matvec_nonzero=SPACE_PRODUCT * known.matvec_nonzero,
-    )
-
-
-@lru_cache(maxsize=4)
-def _of_incomplete_factors(known: Calibration) -> Calibration:
-    return replace(
-        known,
-        symbolic_nonzero=PETSC_SYMBOLIC * known.symbolic_nonzero,
-        numeric_nonzero=PETSC_NUMERIC * known.numeric_nonzero,
-        numeric_work=PETSC_NUMERIC * known.numeric_work,
-        solve_nonzero=PETSC_SOLVE * known.solve_nonzero,
-    )
+@lru_cache(maxsize=12)
+def _scaled(known: Calibration, what: str) -> Calibration:
+    return replace(known, **{entry: factor * getattr(known, entry) for entry, factor in _SCALES[what].items()})
