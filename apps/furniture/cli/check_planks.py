@@ -4,6 +4,7 @@
 
 # More than 15 modules: a check looks at a piece in every way that a replay does.
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -90,20 +91,31 @@ def piece_data(scene: Scene, effects: Plan, design: Design) -> dict[str, Any]:
     }
 
 
+def _by_kind(kinds: Iterable[str], values: Iterable[float]) -> dict[str, float]:
+    """The sum of the values of each kind, in the order in which kinds come."""
+    found: dict[str, float] = {}
+    for kind, value in zip(kinds, values):
+        found[kind] = found.get(kind, 0.0) + float(value)
+    return found
+
+
 def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[str, str]]:
     """What the scene holds, for people."""
     piece, result = design.piece, design.furniture.test()
     names, geometry = [plank.name for plank in piece.planks], design.furniture.geometry()
     rows = [("planks", f"{len(piece.planks)}: {', '.join(names)}")]
     rows += [(f"plank {plank.name}", _board(plank)) for plank in piece.planks]
-    nails = int(geometry.nails.sum())
-    rows.append(("joints", f"{len(piece.joints)}, with {counted(nails, 'fastener')} {scene.fastener.name!r}"))
+    nails = _by_kind([joint.fastener for joint in piece.joints], geometry.nails) or {scene.fastener.name: 0.0}
+    held = [f"{counted(int(number), 'fastener')} {kind!r}" for kind, number in nails.items()]
+    rows.append(("joints", f"{len(piece.joints)}, with {' and '.join(held)}"))
     rows += [
         (f"joint {names[joint.i]} {SIDES[joint.side]}", _joint(joint, names, length, int(count)))
         for joint, length, count in zip(piece.joints, geometry.length, geometry.nails)
     ]
     rows.append(("feet", ", ".join(f"{names[foot.plank]} {SIDES[foot.side]}" for foot in piece.feet) or "none"))
-    rows.append(("mass", f"{geometry.mass.sum():.6g} kg of {scene.wood.name}"))
+    masses = _by_kind([plank.wood for plank in piece.planks], geometry.mass)
+    woods = [f"{mass:.6g} kg of {wood}" for wood, mass in masses.items()]
+    rows.append(("mass", woods[0] if len(woods) == 1 else f"{geometry.mass.sum():.6g} kg, {' and '.join(woods)}"))
     rows += [(f"effect {e.name}", f"{'on' if e.on else 'off'}: {e.why}") for e in effects.effects]
     rows += [(f"weight {load.name}", _reported(load, piece)) for load in piece.weights]
     rows += [(f"push {load.name}", _reported(load, piece)) for load in piece.pushes]

@@ -1,6 +1,7 @@
 """What `restshape check` reports of a piece of furniture."""
 
 import json
+import re
 
 import pytest
 from furniture_scenes import BENCH, write_bench
@@ -29,6 +30,23 @@ def test_check_shows_planks_joints_and_loads_of_furniture_in_space(tmp_path, cap
     assert status == "constraint status holds, but long is 1.2 m, at most 900 mm"
     found = json.loads((tmp_path / "check.json").read_text())
     assert found["planks"]["top"]["axes"] == [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+
+
+def test_check_names_each_wood_and_each_fastener(tmp_path, capsys):
+    text = BENCH.replace("[planks.left]", '[planks.left]\nwood = "oak"')
+    assert text != BENCH
+    text += '[joints.other]\nplank = "right"\nend = "+x"\nto = "top"\nface = "-z"\nfastener = "dowel"\n'
+    assert check(write_bench(tmp_path, text), "--json", tmp_path / "check.json") == 0
+    reported = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    found = json.loads((tmp_path / "check.json").read_text())
+    (mass,) = [line for line in reported if line.startswith("mass ")]
+    whole, of_pine, of_oak = (float(word) for word in re.findall(r"[\d.]+", mass))
+    assert whole == pytest.approx(found["mass"], rel=1e-5) and of_pine + of_oak == pytest.approx(whole, rel=1e-5)
+    assert re.fullmatch(r"mass \S+ kg, \S+ kg of pine and \S+ kg of oak", mass)
+    (joints,) = [line for line in reported if line.startswith("joints ")]
+    each = [(int(number), kind) for number, kind in re.findall(r"(\d+) fasteners '(\w+)'", joints)]
+    assert sorted(each) == sorted((one["fasteners"], one["fastener"]) for one in found["joints"])
+    assert {kind for _, kind in each} == {"screw", "dowel"}
 
 
 def test_check_refuses_quantities_of_joints_that_are_not_there(tmp_path, capsys):
