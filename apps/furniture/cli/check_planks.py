@@ -14,6 +14,7 @@ from restshape_apps.furniture.guidance.doubts import judged
 from restshape_apps.furniture.guidance.lengthening import free_end_warnings
 from restshape_apps.furniture.guidance.overlap_advice import overlap_advice
 from restshape_apps.furniture.physics.joint_compliance import recorded_utilisations, utilisation_range
+from restshape_apps.furniture.physics.joint_label import utilisation_words
 from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.physics.plank_quantities import require_places
 from restshape_apps.furniture.session.plank_session import PlankSession
@@ -125,8 +126,9 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows.append(("freedoms", f"{free} of {8 * len(names)} design parameters keep all joints closed"))
     known = utilisation_range(piece, design.furniture.compliance)
     rows += [
-        ("redundant joint", f"{name}: utilisation from {low:g} to {high:g} over the ratios of compliance")
-        for name, low, high in (recorded_utilisations(piece, known, SHOWN) if known else ())
+        ("redundant joint", f"{name}: utilisation from {low:g} to {high} over the ratios of compliance")
+        for name, low, most in (recorded_utilisations(piece, known, SHOWN) if known else ())
+        for high in (utilisation_words(most, "g"),)
     ]
     more = len(known.redundant) - SHOWN if known else 0
     rows += [("redundant joint", f"and {more} more")] if more > 0 else []

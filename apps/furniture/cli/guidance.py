@@ -5,6 +5,7 @@ from typing import Any
 
 from restshape_apps.furniture.guidance.amounts import UNITS, ends
 from restshape_apps.furniture.guidance.valid_ranges import ValidRange, decode_ranges
+from restshape_apps.furniture.physics.joint_label import utilisation_words
 from restshape_apps.furniture.report.guided import (
     findings_of,
     found,
@@ -73,7 +74,7 @@ def _print_redundant(rows: Sequence[Mapping[str, Any]]) -> None:
         return
     joints = redundant(last)[:MOST]
     # A utilisation is measured against 1.
-    cells = [(name, *(f"{cleared(use, 1.0):.3g}" for use in uses)) for name, *uses in joints]
+    cells = [(name, *(utilisation_words(cleared(use, 1.0), ".3g") for use in uses)) for name, *uses in joints]
     more = last.get("redundant_count", len(redundant(last))) - len(joints)
     cells += [("...", "", f"and {more} more")] if more > 0 else []
     heads = ("joint", "min utilisation", "max utilisation")

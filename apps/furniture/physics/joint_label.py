@@ -13,3 +13,8 @@ def joint_label(utilisation: float) -> str:
     if utilisation > MOST_UTILISATION:
         return "twist"
     return f"{np.ceil(100.0 * utilisation) / 100.0:.2f}" if utilisation < 100.0 else f"{utilisation:.3g}"
+
+
+def utilisation_words(utilisation: float, digits: str) -> str:
+    """A utilisation for tables, with digits such as ``.3g``; one fastener bears no twist."""
+    return "infinite" if utilisation >= MOST_UTILISATION else format(utilisation, digits)

@@ -306,6 +306,8 @@ def rounded_up(value: float) -> str:
 
 def _share(utilisation: float) -> str:
     """A utilisation of more than 1, which does not look like 1."""
+    if utilisation >= kinds.MOST_UTILISATION:
+        return "infinite"
     return f"{ceil(utilisation * 100) / 100:.2f}" if utilisation < 100 else f"{utilisation:.3g}"
 
 

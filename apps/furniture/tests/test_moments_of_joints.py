@@ -8,7 +8,9 @@ import pytest
 from restshape_apps.furniture.guidance.valid_ranges import Grabbed, ValidRange, decode_ranges, encode_ranges
 from restshape_apps.furniture.physics.furniture import Compliance, Forces, Furniture
 from restshape_apps.furniture.physics.joint_compliance import UtilisationRange, utilisation_range
-from restshape_apps.furniture.physics.joint_label import joint_label
+from restshape_apps.furniture.physics.joint_label import joint_label, utilisation_words
+from restshape_apps.furniture.physics.plank_findings import MOST_UTILISATION
+from restshape_apps.furniture.physics.plank_phrases import phrases
 from restshape_apps.furniture.pieces import SCENES, drawn
 from restshape_apps.furniture.report.guided import CAUSES, doubt_causes
 from restshape_apps.furniture.tests.furniture_scenes import ARM, STEP_STOOL, post
@@ -156,6 +158,13 @@ def test_a_single_fastener_has_no_number_of_its_twist(tmp_path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert known.redundant.tolist() == [1, 2]
+    # Recorded as a large number, for JSON knows no infinite one; people read what it stands for.
+    assert utilisation_words(MOST_UTILISATION, ".3g") == utilisation_words(np.inf, ".3g") == "infinite"
+    assert utilisation_words(0.04292, ".3g") == "0.0429"
+    finding = Finding("depends", "", ("a", "b"), np.inf, 0.04)
+    assert phrases([finding]) == (
+        "depends on joints: the utilisation of a on b from 0.04 to infinite over their compliances",
+    )
 
 
 def test_a_joint_that_statics_decides_does_not_depend_on_compliances(tmp_path) -> None:
