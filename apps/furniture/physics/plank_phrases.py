@@ -214,8 +214,11 @@ def _overload(one: Finding, worst: Worst) -> str:
 
 
 def _depends(findings: list[Finding], worst: Worst) -> str:
+    most = ["infinite" if one.value >= kinds.MOST_UTILISATION else _share(one.value) for one in findings]
     joints = [
-        f"{' on '.join(one.subjects)} from {one.bound:.2f} to {_share(one.value)}" for one in findings if one.subjects
+        f"{' on '.join(one.subjects)} from {one.bound:.2f} to {largest}"
+        for one, largest in zip(findings, most)
+        if one.subjects
     ]
     what = f": the utilisation of {_listed(joints, _omitted(findings))} over their compliances" if joints else ""
     return f"depends on joints{what}"
@@ -306,8 +309,6 @@ def rounded_up(value: float) -> str:
 
 def _share(utilisation: float) -> str:
     """A utilisation of more than 1, which does not look like 1."""
-    if utilisation >= kinds.MOST_UTILISATION:
-        return "infinite"
     return f"{ceil(utilisation * 100) / 100:.2f}" if utilisation < 100 else f"{utilisation:.3g}"
 
 
