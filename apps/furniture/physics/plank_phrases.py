@@ -214,14 +214,14 @@ def _overload(one: Finding, worst: Worst) -> str:
 
 
 def _depends(findings: list[Finding], worst: Worst) -> str:
-    most = ["infinite" if one.value >= kinds.MOST_UTILISATION else _share(one.value) for one in findings]
-    joints = [
-        f"{' on '.join(one.subjects)} from {one.bound:.2f} to {largest}"
-        for one, largest in zip(findings, most)
-        if one.subjects
-    ]
+    joints = [f"{' on '.join(one.subjects)} {_between(one.bound, one.value)}" for one in findings if one.subjects]
     what = f": the utilisation of {_listed(joints, _omitted(findings))} over their compliances" if joints else ""
     return f"depends on joints{what}"
+
+
+def _between(least: float, most: float) -> str:
+    """The least and the largest utilisation of a joint; a single fastener bears no twist."""
+    return f"from {least:.2f} to {_share(most) if most < kinds.MOST_UTILISATION else 'infinite'}"
 
 
 def _doubtful(findings: list[Finding], worst: Worst) -> str:
