@@ -177,6 +177,9 @@ def test_check_shows_bodies_supports_and_starts_of_cloth(tmp_path, capsys):
     assert check(path, "--json", tmp_path / "check.json") == 0
     reported = " ".join(capsys.readouterr().out.split())
     assert "sphere, center (0.5, half, -0.3) m, radius 250 mm, friction 0.3" in reported
+    # A formula alone is no number of metres.
+    assert check(path, "--set", 'bodies.ball.sphere.radius="half/2"') == 0
+    assert "m, radius half/2, friction 0.3" in " ".join(capsys.readouterr().out.split())
     assert "x = 0 and slope = 0 on left" in reported and "symmetry x on right" in reported
     assert "moved by (0, 0, half) m, scattered by 0.001 m with the seed 0" in reported
     # 1 m^2 of 0.5 mm at 400 kg/m^3

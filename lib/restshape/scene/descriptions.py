@@ -52,7 +52,8 @@ def but_rounding(formula: Expression, value: float, parameters: Mapping[str, flo
 def with_symbol(value: object, dimension: object, parameters: Mapping[str, float] | None = None) -> str:
     """A value, as in `listing`, with the SI unit of its dimension; numbers with the prefix that suits the largest.
 
-    A formula that has units of its own is without, unless its value stands beside it.
+    A formula that has units of its own, or that alone is the value and whose parameters are not given, is without,
+    unless its value stands beside it.
     """
     symbol = SYMBOLS.get(dimension, "") if isinstance(dimension, str) else ""
     parts = value if isinstance(value, tuple | list) else (value,)
@@ -64,7 +65,8 @@ def with_symbol(value: object, dimension: object, parameters: Mapping[str, float
         return f"{listing([factor * part for part in parts])} {scaled}"
     shown = listing(value, parameters)
     valued = parameters is not None and shown != listing(value)
-    if not symbol or (any(in_si(text) != text for text in formulas) and not valued):
+    alone = isinstance(value, Expression) and parameters is None
+    if not symbol or ((alone or any(in_si(text) != text for text in formulas)) and not valued):
         return shown
     brackets = isinstance(value, Expression) and value.is_sum and not valued
     return f"({shown}) {symbol}" if brackets else f"{shown} {symbol}"
