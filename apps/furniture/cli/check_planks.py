@@ -107,8 +107,8 @@ def described_piece(scene: Scene, effects: Plan, design: Design) -> list[tuple[s
     rows = [("planks", f"{len(piece.planks)}: {', '.join(names)}")]
     rows += [(f"plank {plank.name}", _board(plank)) for plank in piece.planks]
     nails = _by_kind([joint.fastener for joint in piece.joints], geometry.nails) or {scene.fastener.name: 0.0}
-    held = [f"{counted(int(number), 'fastener')} {kind!r}" for kind, number in nails.items()]
-    rows.append(("joints", f"{len(piece.joints)}, with {' and '.join(held)}"))
+    each = [f"{counted(int(number), 'fastener')} {kind!r}" for kind, number in nails.items()]
+    rows.append(("joints", f"{len(piece.joints)}, with {' and '.join(each)}"))
     rows += [
         (f"joint {names[joint.i]} {SIDES[joint.side]}", _joint(joint, names, length, int(count)))
         for joint, length, count in zip(piece.joints, geometry.length, geometry.nails)
