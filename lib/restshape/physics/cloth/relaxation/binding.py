@@ -83,8 +83,7 @@ def bind(
         problem.begin_frame(start)
     resized = any(is_remade(old, new) for old, new in zip(before.bodies, state.bodies))
     if not (cold or origin or resized) and before.problem is problem and options.strategy == "auto":
-        moved = before.place.farthest(problem.place)
-        state, found = drag_frame(state, LastRest(in_material(before, problem), before.bodies, moved, before.energy))
+        state, found = drag_frame(state, _last_rest(before, problem))
         if found:
             return replace(state, observer=problem.observer(scene.quantities)), False
     if not cold:
@@ -99,6 +98,16 @@ def bind(
     if cold and not acts:
         state = replace(state, notes=(*state.notes, begins_across(problem, state.x, scene)))
     return replace(state, observer=problem.observer(scene.quantities)), cold
+
+
+def _last_rest(before: RelaxationState, problem: ClothProblem) -> LastRest:
+    """The last equilibrium as a frame of the same problem begins at it, whose material may have moved."""
+    x, old = in_material(before, problem), before.place
+    still = x.copy()
+    still[problem.corner_number] = before.x[problem.corner_number]
+    X = in_frames(old.X, old.pieces, old.frames, problem.place.frames)
+    tensions = problem.membrane.tensions(X, before.x)
+    return LastRest(x, before.bodies, old.farthest(problem.place), before.energy, still, tensions)
 
 
 def _touches_itself(before: RelaxationState) -> bool:

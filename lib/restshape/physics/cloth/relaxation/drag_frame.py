@@ -12,6 +12,7 @@ from restshape.physics.cloth.body_path import BodyPath, same_kind, speed_of
 from restshape.physics.cloth.contact import FrictionHistory
 from restshape.physics.cloth.layer_friction import LayerFriction
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
+from restshape.physics.cloth.relaxation.frame_way import FrameWay
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
 from restshape.physics.cloth.relaxation.mixed_newton import FEW, MOST, MixedNewton
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
@@ -39,12 +40,16 @@ class LastRest:
         bodies: as they were.
         material: the farthest way of a node in the material since [m].
         energy: of the cloth there [J], in the material as it was.
+        still: (n, 3) unknowns whose nodes of the mesh are where they were in space, not in the material [m].
+        tensions: (ne, 3) of the membrane as it was [N/m].
     """
 
     x: np.ndarray
     bodies: tuple[Body, ...]
     material: float
     energy: float
+    still: np.ndarray
+    tensions: np.ndarray
 
 
 def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState, bool]:
@@ -52,7 +57,7 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
 
     Cloth goes along the derivative of the rest by supports and bodies, and then by Newton's method with tensions of its
     own. No step passes anything. Where that does not converge soon, a descent goes on from the positions with the least
-    forces. Where it leads nowhere the state is as it was, with what was expected of it.
+    energy. Where it leads nowhere the state is as it was, with what was expected of it.
 
     Args:
         state: with problem, solver, bodies and friction of the frame, friction as at the last rest.
@@ -60,20 +65,19 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     """
     problem, solver = state.problem, state.solver
     left_out = solver.tries.left_out()
-    own = problem.self_contact
     known = _memory(state)
-    if own and own.active and not problem.begin(last.x):
-        _restore(state, known)
+    begun, way = _uncrossed(state, last, known)
+    if begun is None:
         return replace(state, expected=_first_order(state, last)), False
     report = ConvergenceReport()
-    newton = MixedNewton(solver, report)
-    x, expected = _first_step(state, last, newton)
+    newton = MixedNewton(solver, report, begun.tensions if way.slides else None)
+    x, expected = _first_step(state, begun, way, newton)
     state = replace(state, expected=expected or _first_order(state, last))
     rests = False
     if x is not None:
-        most = BEYOND * farthest(problem, x - last.x)
+        most = BEYOND * farthest(problem, x - begun.x)
         x, rests = newton.converge(x, FEW if left_out else MOST)
-        if x is not None and farthest(problem, x - last.x) > most:
+        if x is not None and farthest(problem, x - begun.x) > most:
             x = None
     log.info(
         "Newton's method from the last rest %s: %d steps, %d factors",
@@ -89,8 +93,25 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     return replace(state, x=x, report=report), True
 
 
+def _uncrossed(
+    state: RelaxationState, last: LastRest, known: tuple[FrictionHistory | None, LayerFriction | None]
+) -> tuple[LastRest | None, FrameWay]:
+    """The last rest where its derivative begins, and the way from there; None where the cloth crosses itself.
+
+    Nodes that go through the cloth with their material may cross it at sharp folds, which their triangles' mean
+    gradients do not follow. The derivative begins where they were then, and leads them there.
+    """
+    problem, own = state.problem, state.problem.self_contact
+    if not (own and own.active) or problem.begin(last.x):
+        return last, FrameWay(problem, last.bodies, state.bodies)
+    begins = last.material > 0.0 and problem.begin(last.still)
+    _restore(state, known)
+    way = FrameWay(problem, last.bodies, state.bodies, last.x - last.still)
+    return (replace(last, x=last.still) if begins else None), way
+
+
 def _first_step(
-    state: RelaxationState, last: LastRest, newton: MixedNewton
+    state: RelaxationState, last: LastRest, way: FrameWay, newton: MixedNewton
 ) -> tuple[np.ndarray | None, Expected | None]:
     """Unknowns (n, 3) after a step along the derivative of the last rest, and what it leads to expect of the frame.
 
@@ -98,42 +119,41 @@ def _first_step(
     knows nothing of a body: it would be deeper in the cloth than the distance at which contact begins, or pass through
     cloth on its way.
     """
-    problem, x = state.problem, last.x
-    contact, given = problem.contact, problem.constrain(x) - x
-    history = contact.history if contact else None
-    path = BodyPath(last.bodies, state.bodies, contact) if contact else None
-    moves = path is not None and path.moves
-    if path:
-        _place(state, last.bodies, history)
+    problem, x, path = state.problem, last.x, way.path
+    given = problem.constrain(x) - x
+    way.place(0.0)
     forces = np.empty_like(x)
     problem.residual(x, forces)
     hand = _hand(state, last, given)
-    if moves:
-        pushed, now = np.empty_like(x), path.at(QUOTIENT)
-        _place(state, now, take_along(history, last.bodies, now))
+    if way.moves:
+        pushed = np.empty_like(x)
+        way.place(QUOTIENT)
         problem.residual(x, pushed)
-        _place(state, last.bodies, history)
+        way.place(0.0)
         forces += (pushed - forces) / QUOTIENT
     rests = not given.any() and float(np.linalg.norm(forces)) <= state.solver.goal * state.solver.scale(x)
     # Cloth that nothing has touched stays where it is, to the last bit.
     d = given if rests else newton.way(x, forces, given)
     if d is None:
         return None, None
-    energies = []
-    for share in (0.0, CURVED, 2.0 * CURVED):
-        if moves:
-            now = path.at(share)
-            _place(state, now, take_along(history, last.bodies, now))
-        energies.append(problem.energy(x + share * d))
-    energy = _continued(energies, CURVED)
+    energy = last.energy if way.slides else _energy_along(state, x, d, way)
     expected = Expected(x, hand, farthest(problem, d), energy, energy)
-    if path:
-        _place(state, state.bodies, take_along(history, last.bodies, state.bodies))
+    way.place(1.0)
     begin = problem.corners(x)
     x = x if rests else newton.go(x, d)
-    if path and moves and path.farthest(0.0, begin, problem.corners(x) - begin) < 1.0:
+    if path and path.moves and path.farthest(0.0, begin, problem.corners(x) - begin) < 1.0:
         return None, expected
     return (None if path and _comes_deep(state, last, x) else x), expected
+
+
+def _energy_along(state: RelaxationState, x: np.ndarray, d: np.ndarray, way: FrameWay) -> float:
+    """The energy [J] after a step d (n, 3) from x (n, 3) [m], by its first two derivatives along the way."""
+    energies = []
+    for share in (0.0, CURVED, 2.0 * CURVED):
+        if way.moves:
+            way.place(share)
+        energies.append(state.problem.energy(x + share * d))
+    return _continued(energies, CURVED)
 
 
 def _comes_deep(state: RelaxationState, last: LastRest, x: np.ndarray) -> bool:
@@ -187,7 +207,8 @@ def _derived(
     expected = None
     if not own or problem.begin(last.x):
         _restore(state, known)
-        expected = _first_step(state, last, MixedNewton(state.solver, ConvergenceReport()))[1]
+        way = FrameWay(problem, last.bodies, state.bodies)
+        expected = _first_step(state, last, way, MixedNewton(state.solver, ConvergenceReport()))[1]
     if own:
         problem.begin(end)
     _restore(state, ended)

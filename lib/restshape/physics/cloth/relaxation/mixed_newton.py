@@ -36,6 +36,7 @@ class MixedNewton:
     Args:
         solver: of the equilibria, whose linear solver keeps its factor.
         report: counts steps, factors and iterations.
+        tensions: (ne, 3) [N/m] to begin with, as of cloth whose material has moved; None: those where it begins.
 
     Attributes:
         lost: the last step had a tangent without compression: the true one is not positive definite there,
@@ -44,12 +45,14 @@ class MixedNewton:
     Source: docs/theory/cloth.md; Magisano, Leonetti and Garcea, Comput. Methods Appl. Mech. Engrg. 313 (2017) 986.
     """
 
-    def __init__(self, solver: EquilibriumSolver, report: ConvergenceReport) -> None:
+    def __init__(
+        self, solver: EquilibriumSolver, report: ConvergenceReport, tensions: np.ndarray | None = None
+    ) -> None:
         self.solver, self.problem, self.report = solver, solver.problem, report
         self.lost, self._since = False, 0
-        self._tensions: np.ndarray | None = None
         # Other laws are no polynomials of the positions.
         self._follows = self.problem.fabric.law == "stvk"
+        self._tensions = tensions if self._follows else None
 
     def way(self, x: np.ndarray, forces: np.ndarray, given: np.ndarray, norm: float | None = None) -> np.ndarray | None:
         """The step (n, 3) [m] from x (n, 3) that takes away forces (n, 3) [N] while prescribed unknowns go as given.
@@ -98,7 +101,7 @@ class MixedNewton:
     def converge(self, x: np.ndarray, most: int = MOST) -> tuple[np.ndarray | None, bool]:
         """The equilibrium near x (n, 3) with friction that has followed, and whether it is found in few steps.
 
-        Else the positions with the least forces; None where supports did not get where they are.
+        Else the positions with the least energy; None where supports did not get where they are.
 
         Args:
             most: steps at most.
@@ -124,15 +127,15 @@ class MixedNewton:
             log.debug("    mixed Newton: residual over load %.3e", norm)
             if not np.isfinite(norm):
                 break
-            if norm < best[0] and not given.any():
-                best = norm, x.copy()
+            if not given.any() and (energy := problem.energy(x)) < best[0]:
+                best = energy, x.copy()
             if norm <= solver.goal and not given.any():
                 if solver.rests(x, report):
                     return x, True
                 problem.residual(x, forces)
                 # Friction has followed: these are other equations.
                 least, since = np.inf, 0
-                best = report.residual, x.copy()
+                best = problem.energy(x), x.copy()
             if self.lost and norm <= NEAR_SADDLE and escapes < ESCAPES and SaddleEscape(solver).escape(x):
                 log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
                 report.saddles += 1
