@@ -151,6 +151,10 @@ class ModalAnalysis(Timeless):
         if known is not None and known.modes.vectors.shape[1] == modes.vectors.shape[1]:
             last = known.modes.vectors
             ids = known.modes.ids.track(last, modes.vectors, modes.mass_products, self.solver.pencil.norms(last))
+            here = cast("ModalState | None", before if earlier else solved)
+            if here is not None and cast("ModalState", solved).recalled:
+                # Between the shapes of an undo modes lose their likeness; these have their ranks on this shape.
+                ids = ids.recalled(here.ids, modes.chosen)
             self.state = replace(self.state, modes=replace(modes, ids=ids))
         return self.observe()
 
@@ -243,10 +247,12 @@ class ModalAnalysis(Timeless):
             # In a frame of a drag the mass changes little.
             sizes = pencil.norms(previous) if rebind and len(previous) else np.ones(len(previous))
             ids = search.ids(found, state.modes.ids, previous, sizes)
-            if self._recalled is not None:
-                ids, self._recalled = ids.recalled(self._recalled, found.chosen), None
+            recalled, self._recalled = self._recalled, None
+            if recalled is not None:
+                ids = ids.recalled(recalled, found.chosen)
         mesh = frame.mesh
         state = replace(state, scene=frame.scene, space=mesh, topology=mesh.topology, geometry=mesh.geometry)
+        state = replace(state, recalled=recalled is not None)
         return replace(state.solved_for(found, ids), interrupted=False)
 
     def _verify(self) -> ModalState:

@@ -79,6 +79,7 @@ class ModalState:
         count: of the lowest modes that are solved for.
         report: of the last solve.
         interrupted: the last solve has failed, so that what it has moved belongs to no solution.
+        recalled: the last solve was of an undo or redo, whose modes have the ids that they had on that shape.
     """
 
     plan: Plan
@@ -92,6 +93,7 @@ class ModalState:
     count: int = 0
     report: EigenReport = field(default_factory=lambda: EigenReport(0, False, 0, ""))
     interrupted: bool = False
+    recalled: bool = False
 
     @property
     def body(self) -> Eigenproblem:
