@@ -38,7 +38,7 @@ def is_drape(scene: Scene) -> bool:
 
 
 def measure_drape(request: Request, by: Sequence[str] = (), only_times: bool = False) -> dict[str, Any]:
-    """What is found of the scene's first rest, by numbers, and when the second edge of its outline is taken hold of.
+    """What is found of the scene's first rest, by numbers, and when the second edge of its (first) outline is grabbed.
 
     Args:
         request: of cloth.
@@ -58,7 +58,7 @@ def measure_drape(request: Request, by: Sequence[str] = (), only_times: bool = F
     next(run)
     analysis = run.replay.analysis
     mesh = analysis.space
-    edge = scene.shape.outline[1]
+    edge = mesh.outline.edges[mesh.outline.loops[0].edges[1][0]].name
     motions = _motions(mesh, edge)
     try:
         found, times, used = analysis.derivative(motions, TOLERANCE), [], []

@@ -53,12 +53,49 @@ left = { line = ["d", "a"] }
 on = "one.top"
 fix = ["x", "y", "z"]
 """
+TWO_FABRICS = """
+[panels.upper]
+outline = ["bottom", "right", "top", "left"]
+vertices = { a = [0, 0], b = [0.2, 0], c = [0.2, 0.1], d = [0, 0.1] }
+turn = ["90 deg", 0, 0]
+material = "cotton"
+grain = "60 deg"
+[panels.upper.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[panels.lower]
+outline = ["bottom", "right", "top", "left"]
+vertices = { a = [0, 0], b = [0.2, 0], c = [0.2, 0.1], d = [0, 0.1] }
+turn = ["90 deg", 0, 0]
+move = [0, 0, -0.1]
+angle = "20 deg"
+material = "linen"
+[panels.lower.edges]
+bottom = { line = ["a", "b"] }
+right = { line = ["b", "c"] }
+top = { line = ["c", "d"] }
+left = { line = ["d", "a"] }
+[material.linen]
+E = "3 MPa"
+nu = 0.2
+rho = 700
+thickness = "0.4 mm"
+bending = "2e-5 N m"
+[seams.hem]
+from = "upper.bottom"
+to = "lower.top"
+[supports.pins]
+on = ["upper.c", "upper.d"]
+fix = ["x", "y", "z"]
+"""
 OTHERS = ("x", "y", "z")
 
 
-def knit(kind: str, *tables: str) -> str:
+def knit(kind: str, *tables: str, size: float = 0.025) -> str:
     """The sheet, of a fabric with a grain."""
-    text = sheet(kind, *tables)
+    text = sheet(kind, *tables, size=size)
     return re.sub(r"\[material\.cotton\].*?(?=\[effects)", KNIT, text, flags=re.S)
 
 
@@ -176,6 +213,20 @@ def test_stiffness_and_weight_that_grow_together_change_nothing(tmp_path):
     s = design.analysis.number_derivatives(keys, 1e-10).s
     change = cotton.E * s[0] + cotton.rho * s[1] + cotton.bending * s[2]
     assert np.abs(change).max() < 1e-7 * np.abs(cotton.rho * s[1]).max()
+
+
+def test_numbers_of_panels_of_two_fabrics(tmp_path):
+    text = re.sub(r"\[shape\].*?(?=\[material)", TWO_FABRICS, knit("hinge", size=0.05), count=1, flags=re.S)
+    design = DrapeDesign(tmp_path, text)
+    steps = {
+        "material.cotton.rho": 5.0,
+        "material.cotton.orthotropic.E.0": 3e3,
+        "material.cotton.orthotropic.G.0": 8e2,
+        "material.linen.rho": 5.0,
+        "material.linen.E": 3e4,
+    }
+    for key, step in steps.items():
+        check(design, key, step)
 
 
 @pytest.mark.slow

@@ -478,3 +478,27 @@ def test_panels_that_overlap_are_reported_before_a_dart_that_reaches_over_the_ot
     scene = garment(panel("front", "at = [0, 0.1]"), other, HUNG.format(name="front"), HUNG.format(name="back"), dart)
     with pytest.raises(UserError, match="panels front and back would overlap"):
         outline_from_spec(load_scene(write_scene(tmp_path, scene)).shape)
+
+
+HEAVY = """
+[material.lead]
+E = "0.2 GPa"
+nu = 0.3
+rho = "500000 kg/m^3"
+thickness = "0.3 mm"
+bending = "5e-3 N m"
+"""
+
+
+def test_errors_of_panels_are_those_of_their_own_fabrics(tmp_path):
+    """Cloth a thousand times as stiff and as heavy drapes alike, so that the error of its strains is the same share."""
+    back = FRONT.replace("front", "back").replace("move = [0, 0,", "move = [0, 0.3,")
+    one = garment(FRONT, back, HUNG.format(name="front"), HUNG.format(name="back"))
+    first, second = (text + f'material = "{name}"\n' for text, name in ((FRONT, "cotton"), (back, "lead")))
+    two = garment(first, second, HUNG.format(name="front"), HUNG.format(name="back"), HEAVY)
+    found = []
+    for name, text in (("one", one), ("two", two)):
+        row = next(make_replay(write_scene(tmp_path, text, f"{name}.toml")).frames())
+        assert row["converged"] == 1
+        found.append(row["estimate"])
+    assert found[1] == pytest.approx(found[0], rel=1e-3)

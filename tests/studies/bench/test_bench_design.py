@@ -149,6 +149,18 @@ def test_derivatives_of_a_drape(tmp_path, command):
     assert (tmp_path / "pictures" / "sensitivity-epsilon.png").read_bytes().startswith(PNG)
 
 
+@pytest.mark.usefixtures("jobs_here")
+def test_derivatives_of_a_drape_of_panels(tmp_path, command):
+    shape, panel = "[shape.", "[panels.one."
+    text = sheet("hinge", HELD.replace('"a", "b"', '"one.a", "one.b"'), size=0.1)
+    path = write_scene(tmp_path, text.replace("[shape]", "[panels.one]").replace(shape, panel), "panels.toml")
+    done = command("bench", "derivative", path, "--by", "material.cotton.rho", "--json", "a.json", "--out", "pictures")
+    assert done.returncode == 0, done.stderr
+    found = json.loads((tmp_path / "a.json").read_text())
+    assert found["edge"].startswith("one.")
+    assert [one["key"] for one in found["numbers"]["rows"]] == ["material.cotton.rho"]
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("jobs_here")
 def test_derivatives_of_a_drape_by_one_number_and_times_alone(tmp_path, command):

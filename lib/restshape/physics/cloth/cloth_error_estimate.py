@@ -106,10 +106,12 @@ class ClothEstimate:
         mesh, recovery = self.problem.mesh, self.recovery
         kinds, compliance = NO_KINDS, np.zeros((1, 4, 4))
         if stiffness.ndim == 3:
-            # The cells of a region are of one material.
-            regions, first, kinds = np.unique(mesh.cell_region, return_index=True, return_inverse=True)
+            # The cells of a region are of one material, with one grain in each panel.
+            pieces = mesh.cell_piece
+            places = mesh.cell_region * (pieces.max() + 1) + pieces
+            _, first, kinds = np.unique(places, return_index=True, return_inverse=True)
             kinds, stiffness = kinds.astype(np.int32), stiffness[first]
-            compliance = np.zeros((len(regions), 4, 4))
+            compliance = np.zeros((len(first), 4, 4))
         # What does not resist bending has no moments.
         compliance[:, :3, :3] = np.linalg.pinv(stiffness, hermitian=True)
         # A fourth component, the stress normal to the plane, is none.

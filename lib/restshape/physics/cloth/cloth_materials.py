@@ -41,20 +41,39 @@ def sheets_of(scene: Scene, mesh: Mesh) -> tuple[list[Material], np.ndarray]:
 
     Those of panels are turned with them, and have their grain.
     """
+    sheets, row = _named_sheets(scene, mesh)
+    return [laid(scene, scene.material[name], panel) for name, panel in sheets], row
+
+
+def cells_by_sheet(scene: Scene, mesh: Mesh, name: str) -> list[tuple[str | None, np.ndarray]]:
+    """Panels in which there is cloth of a material, and its triangles (ne,) bool there; None in place of one sheet."""
+    sheets, row = _named_sheets(scene, mesh)
+    return [(panel, row == k) for k, (own, panel) in enumerate(sheets) if own == name]
+
+
+def laid(scene: Scene, material: Material, panel: str | None) -> Material:
+    """A material as it lies in the pattern plane: that of a panel is turned with it, and has its grain."""
+    if panel is None:
+        return material
+    given = panels_of(scene)[panel].grain
+    grain = material.grain if given is None else given
+    return material.model_copy(update={"grain": grain + frames_of(scene)[panel].angle})
+
+
+def _named_sheets(scene: Scene, mesh: Mesh) -> tuple[list[tuple[str, str | None]], np.ndarray]:
+    """Names of materials, each with the panel that it is of, and the number (ne,) of each triangle's."""
     names = names_by_region(scene, mesh)
     panels = panels_of(scene)
     if not panels:
         used = [name for name in scene.material if name in names]
         row = np.array([used.index(name) if name else -1 for name in names])[mesh.cell_region]
-        return [scene.material[name] for name in used], row
-    frames, pairs = frames_of(scene), np.stack([mesh.cell_region, mesh.cell_piece], axis=1)
+        return [(name, None) for name in used], row
+    pairs = np.stack([mesh.cell_region, mesh.cell_piece], axis=1)
     kinds, row = np.unique(pairs, axis=0, return_inverse=True)
-    found: list[Material] = []
+    found: list[tuple[str, str | None]] = []
     for region, piece in kinds.tolist():
-        name = mesh.outline.piece_names[piece]
-        own = scene.material[_of_panel(scene, panels[name], names[region])]
-        grain = own.grain if panels[name].grain is None else panels[name].grain
-        found.append(own.model_copy(update={"grain": grain + frames[name].angle}))
+        panel = mesh.outline.piece_names[piece]
+        found.append((_of_panel(scene, panels[panel], names[region]), panel))
     return found, row.ravel()
 
 
