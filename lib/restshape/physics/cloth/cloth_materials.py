@@ -42,7 +42,7 @@ def sheets_of(scene: Scene, mesh: Mesh) -> tuple[list[Material], np.ndarray]:
     Those of panels are turned with them, and have their grain.
     """
     sheets, row = _named_sheets(scene, mesh)
-    return [laid(scene, scene.material[name], panel) for name, panel in sheets], row
+    return [in_pattern_plane(scene, scene.material[name], panel) for name, panel in sheets], row
 
 
 def cells_by_sheet(scene: Scene, mesh: Mesh, name: str) -> list[tuple[str | None, np.ndarray]]:
@@ -51,7 +51,7 @@ def cells_by_sheet(scene: Scene, mesh: Mesh, name: str) -> list[tuple[str | None
     return [(panel, row == k) for k, (own, panel) in enumerate(sheets) if own == name]
 
 
-def laid(scene: Scene, material: Material, panel: str | None) -> Material:
+def in_pattern_plane(scene: Scene, material: Material, panel: str | None) -> Material:
     """A material as it lies in the pattern plane: that of a panel is turned with it, and has its grain."""
     if panel is None:
         return material

@@ -6,7 +6,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_materials import bending, cells_by_sheet, laid, membrane
+from restshape.physics.cloth.cloth_materials import bending, cells_by_sheet, in_pattern_plane, membrane
 from restshape.physics.cloth.fabric import FabricRates
 from restshape.physics.cloth.sensitivity.scene_numbers import STEP, ChangingNumber
 
@@ -24,7 +24,7 @@ def fabric_rates(number: ChangingNumber, mesh: Mesh) -> FabricRates:
         if stepped is None:
             continue
         for panel, cells in cells_by_sheet(number.scene, mesh, name):
-            sheet = laid(number.scene, stepped, panel)
+            sheet = in_pattern_plane(number.scene, stepped, panel)
             with np.errstate(all="ignore"):
                 found.membrane[cells] = membrane(sheet).imag / STEP
                 found.bending[cells] = bending(sheet).imag / STEP
