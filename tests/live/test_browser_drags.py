@@ -33,6 +33,23 @@ def test_a_drag_with_the_mouse_replays_to_what_was_seen(name, session, opened):
     live.assert_replays(page.frames())
 
 
+def test_a_point_of_cloth_is_held_in_space_and_let_go(session, opened):
+    live = session(TEMPLATES["couture"])
+    page = opened(live)
+    place = page.place(["cloth"])
+    page.tab.mouse.move(*place)
+    page.until(lambda: page.tab.locator("#canvas").get_attribute("title") == "cloth", "what is under the pointer")
+    page.drag(place, (0.0, -24.0))
+    page.press("Undo")
+    live.end()
+    press, *drags = (event for event in live.script() if event["do"] in ("press", "drag"))
+    assert press["on"] == "cloth" and len(press["at"]) == 2 and len(drags) == 3
+    heights = [drag["to"][2] for drag in drags]
+    assert heights[0] < heights[1] < heights[2]
+    assert not page.refusals() and not page.faults
+    live.assert_replays(page.frames())
+
+
 @pytest.mark.weekly
 def test_a_suggestion_is_taken_and_slid_along(session, opened):
     live = session(APPS / "furniture" / "scenes" / "shelf-1.toml")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,7 @@ from restshape.live.grab_parts import Thing
 from restshape.live.shifted_points import ShiftedPoints
 from restshape.scene.bodies import bodies_of, pins_of
 from restshape.scene.edit_script import SUPPORTS
+from restshape.scene.held_point import CLOTH, can_hold
 
 if TYPE_CHECKING:
     from restshape.arrays import Integers, Reals
@@ -107,7 +109,13 @@ def _nodes_of(space: Space, entities: list[str]) -> Reals:
     return np.unique(np.concatenate(found)) if found else np.empty(0, dtype=np.int64)
 
 
-def things_in_space(scene: Scene) -> list[Thing]:
-    """Bodies, and supports in space, which a hand may take hold of."""
+def things_in_space(scene: Scene, names: Collection[str] = ()) -> list[Thing]:
+    """Bodies, supports in space, and points of a sheet, which a hand may take hold of.
+
+    Args:
+        scene: with the values that hold; names: of the shape's entities, which come first.
+    """
     bodies = [Thing(name, "body", ("press",), f"{BODY}{name}") for name in bodies_of(scene)]
+    if can_hold(scene) and CLOTH not in names:
+        bodies.append(Thing(CLOTH, "cloth", ("press",), "shape"))
     return bodies + [Thing(f"{SUPPORTS}{name}", "support", ("press",), PINS, (name,)) for name in pins_of(scene)]

@@ -84,7 +84,10 @@ class FramePicture:
         """What can be taken hold of."""
         scene, outline = self._sim.scene, self._sim.replay.session.outline
         own = application_of(scene).editing.things(self._sim)
-        return [*cast("Sequence[Thing]", own)] if own is not None else [*things_of(outline), *things_in_space(scene)]
+        if own is not None:
+            return [*cast("Sequence[Thing]", own)]
+        parts = things_of(outline)
+        return [*parts, *things_in_space(scene, {part.name for part in parts})]
 
 
 def _deformed(X: Reals, displacement: Reals | None) -> Reals:

@@ -26,6 +26,7 @@ from restshape.scene.event_line import (
     Redo,
     Undo,
 )
+from restshape.scene.held_point import CLOTH, can_hold
 from restshape.scene.model import Scene
 from restshape.scene.permits import outside
 from restshape.scene.plain_values import Table, excess, named_files
@@ -60,6 +61,8 @@ class Header(Strict):
 
 class Press(EventLine):
     """A hand takes hold of an entity, a body or a support in space, at a point [m] (else its own).
+
+    On "cloth" it takes hold of that point of the pattern, and drags say where in space it is held.
 
     Args:
         along: the one direction in which the entity goes; left out, it goes as the hand.
@@ -329,8 +332,8 @@ def names_in_space(scene: Scene | None) -> Collection[str] | None:
     """What a hand may hold in space: bodies, and supports in space; None where no scene says."""
     if scene is None:
         return None
-    pins = pins_of(scene)
-    return {*bodies_of(scene), *pins, *(f"{SUPPORTS}{name}" for name in pins)}
+    pins, points = pins_of(scene), (CLOTH,) if can_hold(scene) else ()
+    return {*bodies_of(scene), *pins, *points, *(f"{SUPPORTS}{name}" for name in pins)}
 
 
 def _refuse_outside(event: EventLine, scene: Scene | None, path: Path) -> None:

@@ -160,9 +160,24 @@ def revise(scene: Scene, key: str, value: object) -> Scene:
     raw = branched(scene.raw, parts)
     put(raw, parts, value, f"set {key}", adds=isinstance(value, dict))
     revised = _scene(raw, scene._source.overriding(parts), scene)
+    return _sharing(revised, scene, parts[0])
+
+
+def without(scene: Scene, key: str) -> Scene:
+    """The scene without one of its tables, which it need not have; else as of `revise`.
+
+    Raises:
+        UserError: it cannot be left out.
+    """
+    raw = {name: value for name, value in scene.raw.items() if name != key}
+    return _sharing(_scene(raw, scene._source, scene), scene, key)
+
+
+def _sharing(revised: Scene, scene: Scene, changed: str) -> Scene:
+    """A scene that shares with the one before all tables that stay as they are, when one of them has changed."""
     # Formulas elsewhere may depend on a parameter; panels and darts make the shape, and darts seams.
-    every = parts[0] == "parameters" or parts[0] in revised.tables.values()
-    others = [name for name in type(scene).model_fields if name != parts[0]]
+    every = changed == "parameters" or changed in revised.tables.values()
+    others = [name for name in type(scene).model_fields if name != changed]
     shared = {n: getattr(scene, n) for n in others if not every or getattr(scene, n) == getattr(revised, n)}
     if revised.mesh.order != scene.mesh.order:
         # The change makes the plan decide on another order.

@@ -17,6 +17,7 @@ from restshape.scene.plain_values import Table, tables_in
 from restshape.shape.outline import Outline
 from restshape.shape.panel_drag import begin_panel_drag
 from restshape.shape.panel_placement import PatternPlacement
+from restshape.shape.point_grab import begin_point_grab, is_point
 from restshape.shape.rigid_body_drag import begin_body_drag
 from restshape.shape.space_grab import Place, SpaceGrab, in_space
 
@@ -96,7 +97,8 @@ def begin_pin_drag(outline: Outline, scene: Scene, name: str, at: tuple[float, .
 
 def is_in_space(outline: Outline, scene: Scene, on: str) -> bool:
     """Whether a press takes hold of a body, a whole panel or a support in space, and of no part of the shape."""
-    return on in bodies_of(scene) or on in panels_of(scene) or pin_named(scene, outline, on) is not None
+    named = on in bodies_of(scene) or on in panels_of(scene) or is_point(outline, scene, on)
+    return named or pin_named(scene, outline, on) is not None
 
 
 def begin_space_grab(outline: Outline, scene: Scene, on: str, at: tuple[float, ...] | None) -> SpaceGrab | None:
@@ -109,5 +111,7 @@ def begin_space_grab(outline: Outline, scene: Scene, on: str, at: tuple[float, .
         return begin_body_drag(outline, scene, on, at)
     if on in panels_of(scene):
         return begin_panel_drag(outline, scene, on, at)
+    if is_point(outline, scene, on):
+        return begin_point_grab(outline, scene, at)
     pin = pin_named(scene, outline, on)
     return None if pin is None else begin_pin_drag(outline, scene, pin, at)

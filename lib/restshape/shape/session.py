@@ -204,7 +204,7 @@ class EditSession(ScriptSession[Outline]):
             yield from self._refused(event.frame_count, why)
             return
         if event.frames is not None and event.frames != len(path):
-            path = resampled(tuple(grab.cursor), path, event.frames)
+            path = resampled(tuple(grab.begins(path)), path, event.frames)
         for point in path:
             yield grab.dragged(self, point)
 
@@ -213,8 +213,9 @@ class EditSession(ScriptSession[Outline]):
         if grab is None:
             yield Step("none", "nothing is grabbed")
             return
+        step = grab.let_go(self)
         self._remember(grab.before)
-        yield Step("none")
+        yield step
 
     def _do_rotate(self, event: Rotate) -> Iterator[Step]:
         if event.on in bodies_of(self.scene):

@@ -54,6 +54,14 @@ class Grab(ABC):
         """Gesture and coefficients of a frame in which nothing moves."""
         return {"gesture": self.gesture, "c": self.c}
 
+    def begins(self, path: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
+        """Where a way of several frames along a path begins [m]: where the hand is."""
+        return self.cursor
+
+    def let_go(self, session: Draggable) -> Step:
+        """The frame in which the hand lets go."""
+        return Step("none")
+
     def dragged(self, session: Draggable, point: tuple[float, ...]) -> Step:
         """The frame in which the cursor goes to a point [m]."""
         self.cursor = (point[0], point[1])

@@ -79,6 +79,14 @@ class SpaceGrab(ABC):
         self.c = self.c if step.refused else c
         return step
 
+    def begins(self, path: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
+        """Where a way of several frames along a path begins [m]: where the hand is."""
+        return self.cursor
+
+    def let_go(self, session: Draggable) -> Step:
+        """The frame in which the hand lets go."""
+        return Step("none")
+
     def way_to(self, point: tuple[float, ...]) -> Place:
         """Take the cursor to a point [m]; the way from the origin."""
         self.cursor = in_space(point, self.cursor)

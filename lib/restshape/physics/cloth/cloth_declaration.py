@@ -12,6 +12,7 @@ from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.dart_event import DrawnDart
 from restshape.scene.dart_keys import Dart
+from restshape.scene.held_point import Hold, hold_words
 from restshape.scene.load_kind import ENTITIES
 from restshape.scene.panels import Panel, PatternLayout, panel_words
 from restshape.scene.physics import OwnPictures, Physics, PictureField, Section
@@ -65,6 +66,7 @@ CLOTH = Physics(
         "layout": Section(
             PatternLayout, '"auto": all panels are packed in rows', optional=True, words=lambda layout: layout.root
         ),
+        "hold": Section(Hold, "a point of the cloth that a hand holds in space", optional=True, words=hold_words),
         "start": Section(Start, "where the flat cloth lies at first", optional=True, words=start_words),
     },
     events={"dart": DrawnDart},

@@ -11,6 +11,7 @@ from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_boundary import ClothSupports
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene, Support
 
 AXES = "xyz"
@@ -46,6 +47,7 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
             _prescribe(given, nodes, axis, places[nodes, axis], mesh, f"{scene.path}: {where}")
             mirrored.append(edges)
             axes.append(np.full(len(edges), axis, dtype=np.int32))
+    _hold(scene, mesh, given)
     mask = (~np.isnan(given)).astype(np.uint8)
     clamped = np.unique(np.concatenate(clamped))
     return ClothSupports(
@@ -58,6 +60,25 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
         mirrored=np.concatenate(mirrored),
         axes=np.concatenate(axes),
     )
+
+
+def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
+    """Prescribe the place of the node that is nearest to the point that a hand holds.
+
+    Raises:
+        UserError: no cloth is there, or a support holds that node at another place.
+    """
+    held = hold_of(scene)
+    if held is None:
+        return
+    distance = np.hypot(*(mesh.X - held.at).T)
+    node, place = int(distance.argmin()), f"{scene.path}: hold"
+    around = mesh.edge_nodes[(mesh.edge_nodes == node).any(axis=1)]
+    if distance[node] > np.hypot(*(mesh.X[around[:, 0]] - mesh.X[around[:, 1]]).T).max(initial=0.0):
+        at = f"({held.at[0]:.6g}, {held.at[1]:.6g}) m"
+        raise UserError(f"there is no cloth at {at} of the pattern", f"{place}.at", "hold it elsewhere")
+    for axis, value in enumerate(held.to):
+        _prescribe(given, np.array([node]), axis, np.array([value]), mesh, f"{place}.to")
 
 
 def _edges(scene: Scene, mesh: Mesh, support: Support, where: str) -> np.ndarray:

@@ -11,6 +11,7 @@ from restshape.physics.cloth.cloth_boundary import ClothDirichlet
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.cloth_supports import AXES, supports_of
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene
 
 
@@ -51,6 +52,8 @@ class PrescribedPlaces:
 
 def _constrained(scene: Scene, mesh: Mesh) -> list[tuple[np.ndarray, int, Nodal]] | None:
     """Nodes (k,), coordinate and displacement that each support gives; None where there is more to it."""
+    if hold_of(scene) is not None:
+        return None
     constrained, taken = [], np.zeros((len(mesh.X), len(AXES)), dtype=bool)
     for name, support in scene.supports.items():
         if support.symmetry or "slope" in support.fix:

@@ -27,7 +27,7 @@ export interface NumberInfo {                                              // a 
 }
 export interface QuantityInfo { name: string; unit: string; limitLow?: number; limitHigh?: number; }
 export interface ThingInfo {                                               // what can be taken hold of
-  name: string; role: "vertex" | "edge" | "control" | "hole" | "group" | "body" | "support" | "plank" | "region" | "panel";
+  name: string; role: "vertex" | "edge" | "control" | "hole" | "group" | "body" | "support" | "plank" | "region" | "panel" | "cloth";
   grabs: ("press" | "pull")[]; part: string;                               // part that draws it
   parameters?: string[];                                                   // of a plank: "move x", "turn y", ...
   lines?: string[];                                                        // names of the lines, or dots, that draw it; else its own

@@ -5,11 +5,14 @@ import type { ScriptEvent, ThingInfo } from "../protocol";
 import type { Grip } from "./targets";
 import { Turns } from "./turns";
 
-const IN_SPACE = ["body", "support", "plank"];
+const IN_SPACE = ["body", "support", "plank", "cloth"];
+
+/** Whether a thing of a scene in space goes where the hand is, and not in the plane of the shape alone. */
+export function goesInSpace(role: string | undefined): boolean { return role !== undefined && IN_SPACE.includes(role); }
 
 /** Places of events: entities of the shape lie in their plane. */
 export function coordinates(app: App, thing: ThingInfo | null, at: readonly number[]): number[] {
-  const three = app.welcome?.dim === 3 && (!thing || IN_SPACE.includes(thing.role));
+  const three = app.welcome?.dim === 3 && (!thing || goesInSpace(thing.role));
   return at.slice(0, three ? 3 : 2).map((value) => Number(value.toPrecision(9)));
 }
 
@@ -54,7 +57,7 @@ export class Grasp {
     if (leftHeld(this.app)) letGo(this.app);
     const event: ScriptEvent = { do: pull ? "pull" : "press", on: thing.name };
     if (parameter) event["parameter"] = parameter;
-    else event["at"] = coordinates(this.app, thing, this.at);
+    else event["at"] = this.grip.material ?? coordinates(this.app, thing, this.at);
     this.pressed = this.app.act(event);
     return this.pressed > 0;
   }

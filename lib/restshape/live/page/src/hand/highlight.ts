@@ -52,10 +52,12 @@ export class Highlight {
       return;
     }
     const { shown } = target;
-    if (shown.surface && !target.thing.triangles) shown.surface.setGlow(this.glow);
+    // Of a sheet the point alone that is held: its colours are read.
+    const sheet = target.thing.role === "cloth";
+    if (shown.surface && !target.thing.triangles && !sheet) shown.surface.setGlow(this.glow);
     if (!this.stale) return;
     this.stale = false;
-    const pairs = shown.surface ? rimOf(target) : target.paths.flatMap(([begin, end]) => pairsOf(end, [begin]));
+    const pairs = sheet ? [] : shown.surface ? rimOf(target) : target.paths.flatMap(([begin, end]) => pairsOf(end, [begin]));
     if (pairs.length) this.lines.setPairs(shown.points, shown.shifts, pairs);
     else this.lines.clear();
     const dots = this.dot === null ? target.dots : [this.dot];

@@ -4,9 +4,9 @@ import { Vector3 } from "three";
 
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
-import { Grasp, pulls, unbending } from "./grasp";
+import { goesInSpace, Grasp, pulls, unbending } from "./grasp";
 import type { Pointer } from "./pointer";
-import type { Target } from "./targets";
+import { titleOf, type Target } from "./targets";
 import type { Tools } from "./tools";
 import type { Turning } from "./turning";
 
@@ -58,7 +58,7 @@ export class Keys {
     if (!target) return false;
     this.fresh = false;
     this.app.tell("selected", target.thing);
-    this.pointer.beside.say(`${target.thing.role} ${target.thing.name}, ${then + 1} of ${all.length}: Enter takes hold`);
+    this.pointer.beside.say(`${titleOf(target.thing)}, ${then + 1} of ${all.length}: Enter takes hold`);
     return true;
   }
 
@@ -107,7 +107,7 @@ export class Keys {
 
   /** Directions of the arrow keys: in space the axes nearest to the right of the picture, to its depth, and up. */
   private axes(): [number, number, number][] {
-    const flat = this.scene.view.dim === 2 || !["body", "support", "plank"].includes(this.grasp!.thing.role);
+    const flat = this.scene.view.dim === 2 || !goesInSpace(this.grasp!.thing.role);
     if (flat) return [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
     const right = new Vector3().setFromMatrixColumn(this.scene.view.camera.matrix, 0);
     const sidewise = Math.abs(right.x) >= Math.abs(right.y);

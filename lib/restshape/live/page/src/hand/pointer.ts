@@ -5,10 +5,10 @@ import { Vector3 } from "three";
 import type { App } from "../app";
 import type { Scene } from "../draw/scene";
 import { Beside } from "./beside";
-import { Grasp, pulls, unbending } from "./grasp";
+import { goesInSpace, Grasp, pulls, unbending } from "./grasp";
 import { Highlight } from "./highlight";
 import { placeOnWay, type Way } from "./ways";
-import { Targets, type Grip } from "./targets";
+import { Targets, titleOf, type Grip } from "./targets";
 import { pixelsOf } from "./pixels";
 import type { Tools } from "./tools";
 
@@ -161,7 +161,7 @@ export class Pointer {
     this.hover.show(grip?.target ?? null, grip?.dot ?? null);
     const { canvas } = this.scene;
     const cursor = this.tools.cursor ?? (grip ? "grab" : "default");
-    const title = grip ? `${grip.target.thing.role} ${grip.target.thing.name}` : "";
+    const title = grip ? titleOf(grip.target.thing) : "";
     if (canvas.style.cursor !== cursor) canvas.style.cursor = cursor;
     if (canvas.title !== title) canvas.title = title;
   }
@@ -171,7 +171,7 @@ export class Pointer {
     const { view } = this.scene;
     const { origin, direction } = view.ray(x, y);
     const seen = view.camera.getWorldDirection(new Vector3());
-    const flat = view.dim === 2 || !["body", "support", "plank"].includes(this.grasp?.thing.role ?? "");
+    const flat = view.dim === 2 || !goesInSpace(this.grasp?.thing.role);
     return placeOnWay(
       flat ? "xy" : this.way, from, [origin.x, origin.y, origin.z], [direction.x, direction.y, direction.z], [seen.x, seen.y, seen.z],
     );

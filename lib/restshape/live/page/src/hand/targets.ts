@@ -9,10 +9,10 @@ import { boxArea, boxOf, inside, nearestOnPath, rayHit, type Triple } from "./ne
 
 export type Path = readonly [number, number];        // numbers of the first point, and of the one after the last
 export interface Target { thing: ThingInfo; shown: Shown; dots: number[]; paths: Path[]; }
-/** at: where it is taken hold of, in the shape without displacements. dot: number of the dot, where it is one. */
-export interface Grip { target: Target; at: [number, number, number]; dot: number | null; }
+/** at: where it is taken hold of, in the shape without displacements. dot: number of the dot, where it is one. material: the point of a sheet, in its pattern. */
+export interface Grip { target: Target; at: [number, number, number]; dot: number | null; material?: [number, number]; }
 
-const ORDER = ["vertex", "control", "edge", "hole", "region", "panel", "group", "support", "body", "plank"];
+const ORDER = ["vertex", "control", "edge", "hole", "region", "panel", "group", "support", "body", "plank", "cloth"];
 
 export class Targets {
   private all: Target[] = [];
@@ -62,6 +62,7 @@ export class Targets {
   /** Where a target is taken hold of by keys: its middle; of several dots the first. */
   grip(target: Target): Grip {
     const { shown, dots, paths, thing } = target;
+    if (thing.role === "cloth") return gripOfCloth(target, nodeNear(target, middle(target)));
     if (dots.length) return { target, at: placeOf(shown, dots[0]!), dot: dots[0]! };
     if (thing.role === "edge" && paths[0]) {
       const [begin, end] = paths[0];
@@ -138,7 +139,7 @@ export class Targets {
     const { origin, direction } = this.scene.view.ray(x, y);
     const from: Triple = [origin.x, origin.y, origin.z];
     const way: Triple = [direction.x, direction.y, direction.z];
-    let best = Infinity;
+    let best = Infinity, node = 0;
     let found: Target | null = null;
     for (const shown of this.scene.parts.all.values()) {
       const { surface } = shown;
@@ -147,12 +148,13 @@ export class Targets {
       const ranges = here.length ? here : [null]; // what cannot be held still hides what is behind
       for (const target of ranges) {
         for (const [first, count] of target?.thing.triangles ?? [[0, surface.cells.length / 3]] as const) {
-          const { t } = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
-          if (t < best) [best, found] = [t, target];
+          const hit = rayHit(surface.points, surface.shifts, this.scene.shared.scale.value, surface.cells, first, first + count, from, way);
+          if (hit.t < best) [best, found, node] = [hit.t, target, surface.cells[3 * hit.triangle + cornerOf(hit)] ?? 0];
         }
       }
     }
     if (!found) return null;
+    if (found.thing.role === "cloth") return gripOfCloth(found, node);
     return { target: found, at: [0, 1, 2].map((k) => from[k]! + best * way[k]!) as [number, number, number], dot: null };
   }
 
@@ -188,6 +190,31 @@ export class Targets {
     this.flat.set(shown, xy);
     return xy;
   }
+}
+
+/** What people call a thing. */
+export function titleOf({ role, name }: ThingInfo): string { return role === name ? name : `${role} ${name}`; }
+
+/** The corner (0 to 2) of a triangle that is nearest to where a ray hits it. */
+function cornerOf({ u, v }: { u: number; v: number }): number {
+  const share = [1 - u - v, u, v];
+  return share.indexOf(Math.max(...share));
+}
+
+/** A sheet, taken hold of at a node: where that is now, and where in the pattern. */
+function gripOfCloth(target: Target, node: number): Grip {
+  const [x, y] = placeOf(target.shown, node);
+  return { target, at: drawnAt(target.shown, node, 1), dot: node, material: [x, y].map((one) => Number(one.toPrecision(9))) as [number, number] };
+}
+
+/** The node of a surface that is nearest to a place in the shape without displacements. */
+function nodeNear({ shown }: Target, place: readonly number[]): number {
+  let best = Infinity, found = 0;
+  for (let i = 0; 3 * i < shown.points.length; i += 1) {
+    const own = placeOf(shown, i), distance = Math.hypot(...own.map((one, k) => one - place[k]!));
+    if (distance < best) [best, found] = [distance, i];
+  }
+  return found;
 }
 
 function target(thing: ThingInfo, parts: Parts): Target | null {

@@ -6,7 +6,7 @@ import { savePicture } from "../draw/picture";
 import { Video } from "../draw/video";
 import { button, element } from "../panels/element";
 import type { Pointer } from "./pointer";
-import type { Targets } from "./targets";
+import { titleOf, type Targets } from "./targets";
 import type { Tools } from "./tools";
 import { WAYS, type Way } from "./ways";
 
@@ -44,7 +44,7 @@ export function showToolbars(app: App, scene: Scene, tools: Tools, pointer: Poin
 function chosen(app: App, tools: Tools, pointer: Pointer, targets: Targets): HTMLElement[] {
   const { selected } = app;
   if (!selected || app.role !== "hand") return [];
-  const made: HTMLElement[] = [element("strong", {}, `${selected.role} ${selected.name}`)];
+  const made: HTMLElement[] = [element("strong", {}, titleOf(selected))];
   if (["edge", "hole", "group", "control"].includes(selected.role) && tools.may("smooth")) {
     made.push(button("Smooth", "fair this curve", () => tools.smooth()));
   }

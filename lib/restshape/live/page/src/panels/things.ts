@@ -6,7 +6,7 @@ import { ChangingText, element, mark } from "./element";
 
 const PLURALS: Record<string, string> = {
   vertex: "vertices", edge: "edges", control: "curves by their control points", hole: "holes", group: "groups", body: "bodies",
-  support: "supports", plank: "planks", region: "regions", panel: "panels",
+  support: "supports", plank: "planks", region: "regions", panel: "panels", cloth: "sheets, by any point",
 };
 
 export function showThings(app: App): HTMLElement {

@@ -1,0 +1,140 @@
+"""A point of cloth that the hand holds: by the statics of a hanging strip, by what comes back, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import restshape
+from restshape.errors import UserError
+from restshape.scene.held_point import hold_of
+
+OTHER = Path(__file__).parents[1] / "scenes" / "fish.toml"
+STRIP = {
+    "format": "restshape-scene",
+    "version": 1,
+    "app": "couture",
+    "shape": {
+        "outline": ["bottom", "right", "top", "left"],
+        "vertices": {"a": [0, 0], "b": [0.4, 0], "c": [0.4, 0.1], "d": [0, 0.1]},
+        "edges": {
+            "bottom": {"line": ["a", "b"]},
+            "right": {"line": ["b", "c"]},
+            "top": {"line": ["c", "d"]},
+            "left": {"line": ["d", "a"]},
+        },
+    },
+    "material": {"felt": {"E": 2e6, "nu": 0.0, "rho": 500, "thickness": 4e-4, "bending": 1e-5}},
+    "effects": {"gravity": {"g": [0, 0, -9.81]}},
+    "supports": {"left": {"on": ["left"], "fix": ["x", "y", "z"]}},
+    "mesh": {"size": 0.03},
+    "quantities": {"weight_there": {"reaction": "z", "at": "left"}, "end": {"displacement": "z", "at": "b"}},
+}
+WEIGHT = 0.04 * 0.2 * 9.81
+"""Of the sheet [N]."""
+
+
+@pytest.fixture
+def strip():
+    with restshape.open(restshape.new_scene(STRIP)) as simulation:
+        yield simulation
+
+
+def places(simulation):
+    """Where all nodes are (n, 3) [m]."""
+    frame = simulation.frame
+    found = frame.displacement.copy()
+    found[:, :2] += frame.mesh.points[:, :2]
+    return found
+
+
+def node_at(simulation, x, y):
+    return int(((simulation.frame.mesh.points[:, :2] - (x, y)) ** 2).sum(axis=1).argmin())
+
+
+def test_the_node_at_the_point_is_where_the_hand_is_and_bears_its_part_of_the_weight(strip):
+    assert strip.frame.quantities["weight_there"] == pytest.approx(WEIGHT, rel=1e-3)
+    node = node_at(strip, 0.4, 0.05)
+    hand = strip.press("cloth", at=[0.4, 0.05])
+    for way in (0.0, 0.02, 0.05):
+        frame = hand.to(0.35, 0.05, -0.05 + way)
+        np.testing.assert_allclose(places(strip)[node], [0.35, 0.05, -0.05 + way], atol=1e-12)
+        assert frame.row["converged"] == 1
+
+
+def test_a_sheet_between_a_pin_and_a_hand_as_high_has_half_its_weight_at_each():
+    pinned = {**STRIP, "supports": {"pin": {"on": ["a"], "fix": ["x", "y", "z"]}}}
+    pinned["quantities"] = {"weight_there": {"reaction": "z", "at": "a"}}
+    with restshape.open(restshape.new_scene(pinned)) as simulation:
+        assert simulation.frame.quantities["weight_there"] == pytest.approx(WEIGHT, rel=1e-3)
+        simulation.press("cloth", at=[0.4, 0.0]).to(0.3, 0.0, 0.0)
+        assert simulation.frame.quantities["weight_there"] == pytest.approx(0.5 * WEIGHT, rel=0.01)
+
+
+def test_what_is_let_go_and_what_is_undone_is_as_before(strip):
+    before = places(strip)
+    with strip.press("cloth", at=[0.4, 0.0]) as hand:
+        hand.to(0.38, 0.0, -0.05)
+        assert np.abs(places(strip) - before).max() > 1e-3 and hold_of(strip.scene) is not None
+    assert hold_of(strip.scene) is None
+    np.testing.assert_allclose(places(strip), before, atol=1e-5)
+    strip.do("undo")
+    np.testing.assert_array_equal(places(strip), before)
+    strip.do("redo")
+    assert hold_of(strip.scene) is None
+
+
+def test_a_way_of_several_frames_begins_where_the_hand_is(strip):
+    strip.press("cloth", at=[0.4, 0.05])
+    strip.do("drag", to=[0.35, 0.05, -0.1])
+    heights = []
+    for frame in strip.each("drag", to=[0.35, 0.05, -0.06], frames=4):
+        heights.append(hold_of(frame.scene).to[2])
+    np.testing.assert_allclose(heights, [-0.09, -0.08, -0.07, -0.06])
+
+
+def test_a_press_without_a_drag_changes_nothing(strip):
+    before, scene = places(strip), strip.scene
+    with strip.press("cloth", at=[0.2, 0.05]):
+        pass
+    np.testing.assert_array_equal(places(strip), before)
+    assert strip.scene is scene
+
+
+@pytest.mark.parametrize(
+    ("press", "to", "why"),
+    [
+        ({}, None, "named in the pattern plane"),
+        ({"at": [0.2, 0.05, 0.0]}, None, "named in the pattern plane"),
+        ({"at": [0.2, 0.05]}, [0.2, 0.05], "has no z"),
+        ({"at": [0.9, 0.05]}, [0.2, 0.05, 0.1], "there is no cloth at"),
+        ({"at": [0.0, 0.05]}, [0.2, 0.05, 0.1], "another displacement than one before it"),
+    ],
+)
+def test_what_cannot_be_held_is_refused_and_goes_on(press, to, why):
+    with restshape.open(restshape.new_scene(STRIP), strict=False) as simulation:
+        before = places(simulation)
+        frame = simulation.do("press", on="cloth", **press)
+        if to is not None:
+            assert not frame.refused
+            frame = simulation.do("drag", to=to)
+        assert why in frame.refused, frame.refused
+        simulation.do("release")
+        assert hold_of(simulation.scene) is None
+        np.testing.assert_allclose(places(simulation), before, atol=1e-9)
+
+
+def test_a_scene_may_hold_a_point_of_its_own_and_says_so():
+    held = {**STRIP, "hold": {"at": [0.4, 0.05], "to": [0.3, 0.05, 0.0]}}
+    with restshape.open(restshape.new_scene(held)) as simulation:
+        node = node_at(simulation, 0.4, 0.05)
+        np.testing.assert_allclose(places(simulation)[node], [0.3, 0.05, 0.0], atol=1e-12)
+        with simulation.press("cloth", at=[0.2, 0.05]) as hand:
+            hand.to(0.15, 0.05, -0.1)
+        assert hold_of(simulation.scene).at == (0.4, 0.05)
+
+
+def test_other_scenes_know_no_cloth():
+    simulation = restshape.open(restshape.load(OTHER))
+    with simulation, pytest.raises(UserError, match="cloth"):
+        simulation.press("cloth", at=[0.0, 0.0])
