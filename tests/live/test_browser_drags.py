@@ -50,6 +50,25 @@ def test_a_point_of_cloth_is_held_in_space_and_let_go(session, opened):
     live.assert_replays(page.frames())
 
 
+def test_a_point_of_cloth_is_held_by_keys(session, opened):
+    live = session(TEMPLATES["couture"])
+    page = opened(live)
+    canvas = page.tab.locator("#canvas")
+    canvas.focus()
+    page.tab.locator("details.things summary").click()
+    page.tab.locator("details.things").get_by_role("button", name="cloth", exact=True).click()
+    canvas.focus()
+    for key in ("Enter", "PageUp", "PageUp", "Escape"):
+        canvas.press(key)
+        page.settle()
+    page.until(lambda: page.events()[-1]["event"]["do"] == "release", "the release")
+    live.end()
+    press, *drags = (event for event in live.script() if event["do"] in ("press", "drag"))
+    assert press["on"] == "cloth" and press["at"] == pytest.approx([0.15, 0.15], abs=0.02)
+    assert drags[-1]["to"][2] > drags[0]["to"][2] and not page.refusals() + page.faults
+    live.assert_replays(page.frames())
+
+
 @pytest.mark.weekly
 def test_a_suggestion_is_taken_and_slid_along(session, opened):
     live = session(APPS / "furniture" / "scenes" / "shelf-1.toml")

@@ -67,10 +67,10 @@ class PointGrab(SpaceGrab):
         """The frame in which the hand lets go: the point is held as it was before the press, which mostly is not."""
         if not self.seen:
             return Step("none")
-        held = hold_of(self.before[1])
-        if held is None:
+        hold = hold_of(self.before[1])
+        if hold is None:
             return session.revised(lambda: without(session.scene, KEY))
-        return session.revised(lambda: revise(session.scene, KEY, {"at": [*held.at], "to": [*held.to]}))
+        return session.revised(lambda: revise(session.scene, KEY, {"at": [*hold.at], "to": [*hold.to]}))
 
 
 def is_point(outline: Outline, scene: Scene, on: str) -> bool:

@@ -1,5 +1,7 @@
 """What scenes of cloth may say."""
 
+# More than 15 modules: all tables and keys of such scenes meet here.
+
 from typing import Literal
 
 from restshape.physics.cloth.cloth_derived_effects import CLOTH as DERIVED

@@ -68,16 +68,16 @@ def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
     Raises:
         UserError: no cloth is there, or a support holds that node at another place.
     """
-    held = hold_of(scene)
-    if held is None:
+    hold = hold_of(scene)
+    if hold is None:
         return
-    distance = np.hypot(*(mesh.X - held.at).T)
+    distance = np.hypot(*(mesh.X - hold.at).T)
     node, place = int(distance.argmin()), f"{scene.path}: hold"
     around = mesh.edge_nodes[(mesh.edge_nodes == node).any(axis=1)]
     if distance[node] > np.hypot(*(mesh.X[around[:, 0]] - mesh.X[around[:, 1]]).T).max(initial=0.0):
-        at = f"({held.at[0]:.6g}, {held.at[1]:.6g}) m"
+        at = f"({hold.at[0]:.6g}, {hold.at[1]:.6g}) m"
         raise UserError(f"there is no cloth at {at} of the pattern", f"{place}.at", "hold it elsewhere")
-    for axis, value in enumerate(held.to):
+    for axis, value in enumerate(hold.to):
         _prescribe(given, np.array([node]), axis, np.array([value]), mesh, f"{place}.to")
 
 

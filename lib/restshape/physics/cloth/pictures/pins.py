@@ -24,8 +24,8 @@ def pins(recording: Recording, frames: np.ndarray) -> dict[int, np.ndarray]:
         frames: indices that are looked at.
     """
     scene = recording.header.get("scene_values")
-    held = f'"{CLOTH}"' in str(recording.header.get("script_text", ""))
-    if not (isinstance(scene, dict) and (held or scene.get("supports") or scene.get("hold"))):
+    hold = f'"{CLOTH}"' in str(recording.header.get("script_text", ""))
+    if not (isinstance(scene, dict) and (hold or scene.get("supports") or scene.get("hold"))):
         return {}
     try:
         rebuilt = rebuilt_frames(recording, [int(i) for i in frames])
