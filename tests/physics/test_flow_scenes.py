@@ -189,3 +189,14 @@ def test_pressures_of_a_closed_vessel_have_the_mean_0(tmp_path):
         text + '[quantities]\nmean = { pressure = true, at = "all" }\nmost = { pressure = true, reduce = "max" }\n',
     ).row
     assert row["q_most"] > 1.0 and abs(row["q_mean"]) < 1e-9 * row["q_most"]
+
+
+def test_a_parameter_of_a_quantity_is_refused_with_its_name(tmp_path):
+    """The speed of a coefficient holds for the whole edit; another quantity is not named."""
+    coefficient = 'drag_coefficient = { speed = "2*fast", length = 0.1 }, at = "body"'
+    quantities = f"[quantities]\nq = {{ speed = true }}\ncd = {{ {coefficient} }}\n"
+    text = f"{CYLINDER}[parameters]\nfast = 1.5\n{STEADY}{MESH}{quantities}"
+    edits = [*set_value("parameters.fast", 2.0)]
+    rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), write_script(tmp_path, edits)).frames()]
+    why = rows[-1]["refused"]
+    assert "this changes quantities.cd as well" in why and "write numbers in quantities.cd" in why

@@ -197,9 +197,14 @@ class ScriptSession(ABC, Generic[Edited]):
             UserError: it has changed such a table since a scene before.
         """
         for key in FIXED:
-            if key != "shape" and _but_limits(before, key) != _but_limits(self.scene, key):
-                what = f"this changes {key} as well, which cannot be set during an edit"
-                raise UserError(what, do="change the scene, or use --set")
+            was, now = _but_limits(before, key), _but_limits(self.scene, key)
+            if key == "shape" or was == now:
+                continue
+            if isinstance(was, dict) and isinstance(now, dict):
+                named = next((name for name in now if now[name] != was.get(name)), "")
+                key = f"{key}.{named}".rstrip(".")
+            what = f"this changes {key} as well, which cannot be set during an edit"
+            raise UserError(what, do=f"write numbers in {key}, change the scene, or use --set")
 
 
 def _but_limits(scene: Scene, key: str) -> object:
