@@ -84,3 +84,34 @@ def test_jumps_that_cannot_be_estimated(refused, tmp_path):
     scene = write_cloth(tmp_path, PIN)
     assert "what the mesh alone does cannot be estimated" in refused(scene, "solve.jumps=true")
     assert "errors are estimated in" in refused(scene, 'quantities.q={displacement="z",at="left",error=true}')
+
+
+def moving(*effects):
+    """A plate in motion."""
+    text = plate().replace('app = "plane"', 'app = "moving"') + "[effects.dynamics]\ntime_step = 2e-4\n"
+    return text + "[effects.ground]\nacceleration = 50\nfrequency = 100\n" + "".join(effects)
+
+
+def test_bodies_in_motion_without_density(tmp_path, capsys):
+    """Each material that fills some of the body needs one; that of the rest does not where regions leave nothing."""
+    scene = str(write_scene(tmp_path, moving()))
+    core = 'shape.regions={core={polygon=[["1.2","0.2"],["1.6","0.2"],["1.6","0.4"]]}}'
+    whole = 'shape.regions={core={loop=["bottom","right","top","left"]}}'
+    heavy, light = (f'material.pad={{E=2e11,nu=0.3,rho={rho},thickness="10 mm",region="core"}}' for rho in (8000, 0))
+    for words, code in (
+        ([core, heavy], 0),
+        ([core, light], 2),
+        ([core, heavy, "material.steel.rho=0"], 2),
+        ([whole, heavy, "material.steel.rho=0"], 0),
+    ):
+        sets = [word for one in words for word in ("--set", one)]
+        assert [main([command, scene, *sets]) for command in ("check", "replay")] == [code, code]
+        assert ("a body without density cannot vibrate" in capsys.readouterr().err) == (code == 2)
+
+
+def test_a_goal_and_a_direction_that_are_not_there(refused, tmp_path):
+    """With what to do about each."""
+    said = refused(write_scene(tmp_path, plate()), 'quantities.far={distance="arch",at="top"}')
+    assert "there is no goal 'arch'" in said and "add [goal.arch]" in said
+    said = refused(write_scene(tmp_path, moving("direction = [0, 0]\n")))
+    assert "the direction has no length" in said and "direction = [1, 0]" in said

@@ -8,6 +8,7 @@ from restshape_verification.flow.scenes import HEAD, SQUARE, STEADY, everywhere,
 from thermal_scenes import solved
 
 from restshape.application import application
+from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.physics.flow.flow_conditions import unbalanced, unequal
 from restshape.replay.parity import Parity
@@ -200,3 +201,10 @@ def test_a_parameter_of_a_quantity_is_refused_with_its_name(tmp_path):
     rows = [dict(row) for row in make_replay(write_scene(tmp_path, text), write_script(tmp_path, edits)).frames()]
     why = rows[-1]["refused"]
     assert "this changes quantities.cd as well" in why and "write numbers in quantities.cd" in why
+
+
+def test_a_velocity_needs_no_number_where_a_wall_goes_before_it(tmp_path):
+    """`check` takes what the first frame takes: the corners of an inlet are those of walls."""
+    scene = write_scene(tmp_path, CHANNEL.replace('"4*y*(1 - y)"', '"0.01/y + 0.01/(1 - y)"') + STEADY + MESH)
+    assert main(["check", str(scene)]) == main(["replay", str(scene)]) == 0
+    assert main(["check", str(scene), "--set", 'boundary.inlet.velocity=["0.01/(y - y)", 0]']) == 2

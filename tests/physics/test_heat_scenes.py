@@ -94,6 +94,14 @@ def test_a_heat_flow_has_an_edge(tmp_path, capsys, at, place, what):
     assert place in said and what in said and "an edge, a hole, a region, the outline or a group" in said
 
 
+def test_no_heat_leaves_by_an_edge_inside(tmp_path, capsys):
+    inside = BODY.replace("[shape]", "[shape]\nregions = { core = { polygon = [[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]] } }")
+    assert inside != BODY
+    text = inside + FIXED + '[quantities]\nq = { heat_flow = true, at = "core" }\n'
+    said = refused_twice(tmp_path, capsys, text)
+    assert all("quantities.q.at" in one and "nothing leaves the body at 'core'" in one for one in said)
+
+
 def test_a_flux_on_the_whole_shape_says_what_it_needs(tmp_path):
     with pytest.raises(UserError) as caught:
         load_scene(write_scene(tmp_path, BODY + FIXED + '[loads.f]\non = "all"\nflux = 3\n'))

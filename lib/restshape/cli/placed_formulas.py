@@ -17,7 +17,9 @@ from restshape.shape.outline import Outline
 ALONG = (np.arange(64) + 0.5) / 64
 """Where edges are looked at."""
 WITH_ENDS = np.concatenate([[0.0], ALONG, [1.0]])
-"""Where those are whose ends count: of supports, and of loads on first-order elements."""
+"""Where those are whose ends count: of loads on first-order elements."""
+INTEGRATED = ("loads", "heat_flux")
+"""Parts of keys of what is integrated along edges; other values at an end may be those of the edge beside it."""
 ACROSS = 24
 """Rows, and columns, of places in the box around an area."""
 
@@ -34,7 +36,7 @@ def refuse_without_number(scene: Scene, outline: Outline) -> None:
     placed = [(key, one) for key, one in formulas(scene) if one.names_places and "t" not in one.names]
     first_order = bool(placed) and plan(scene, application_of(scene)).order == 1
     for key, formula in placed:
-        along = WITH_ENDS if first_order or key[0] == "supports" else ALONG
+        along = WITH_ENDS if first_order and any(part in INTEGRATED for part in key) else ALONG
         where = ".".join(key)
         for name in _part_of(scene, key):
             try:
@@ -50,10 +52,7 @@ def _part_of(scene: Scene, key: tuple[str, ...]) -> list[str]:
     table = getattr(scene, key[0], None)
     if not isinstance(table, dict) or len(key) < 2:
         return []
-    named = table.get(key[1])
-    if key[0] == "material":
-        return [getattr(named, "region", None) or "all"]
-    on = getattr(named, "on", None)
+    on = getattr(table.get(key[1]), "on", None)
     return [on] if isinstance(on, str) else [name for name in on or () if isinstance(name, str)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.fem.averages import facet_weights
 from restshape.fem.space import PlaneSpace
+from restshape.shape.outline import Outline
 
 
 class EdgeReactions:
@@ -23,6 +24,7 @@ class EdgeReactions:
         space: whose nodes may move.
         edge: an entity on the border.
         supported: entities on which supports prescribe the unknown.
+        where: for messages.
 
     Attributes:
         nodes: (k,) whose reactions count.
@@ -31,8 +33,8 @@ class EdgeReactions:
         UserError: the edge is not on the border, so that nothing leaves there.
     """
 
-    def __init__(self, space: PlaneSpace, edge: str, supported: Iterable[str]) -> None:
-        _require_border(space, edge)
+    def __init__(self, space: PlaneSpace, edge: str, supported: Iterable[str], where: str = "at") -> None:
+        require_border(space.outline, edge, where)
         sides = [space.facets_of(name) for name in supported]
         fixed = np.unique(np.concatenate(sides)) if sides else np.empty(0, dtype=np.int32)
         own = np.intersect1d(fixed, space.facets_of(edge))
@@ -66,8 +68,15 @@ class EdgeReactions:
         return np.bincount(sides.ravel(), facet_weights(self.space.X, sides).ravel(), len(self.space.X))
 
 
-def _require_border(space: PlaneSpace, edge: str) -> None:
-    outline = space.outline
+def require_border(outline: Outline, edge: str, where: str) -> None:
+    """Refuses an entity with an edge that is not on the border.
+
+    Args:
+        outline: the shape; edge: an entity of it; where: for messages.
+
+    Raises:
+        UserError: nothing leaves there.
+    """
     border = {index for loop in outline.loops if loop.kind != "region" for index, _ in loop.edges}
     if not border.issuperset(outline.entity(edge).edges):
-        raise UserError(f"nothing leaves the body at {edge!r}, which lies inside", "at", "name an edge of the border")
+        raise UserError(f"nothing leaves the body at {edge!r}, which lies inside", where, "name an edge of the border")

@@ -169,6 +169,7 @@ MOVING_SOLIDS = replace(
     effects=IN_MOTION,
     columns=motion_columns,
     check=check_motion,
+    check_shape="restshape.physics.elasticity.outline_checks:check_moving_solid",
     inspect_shape="restshape.physics.elasticity.inspection:inspect_motion",
 )
 

@@ -188,6 +188,5 @@ def check_goals(scene: Scene, source: Source) -> None:
     for name, quantity in scene.quantities.items():
         if quantity.distance is not None and quantity.distance not in scene.goal:
             what = f"there is no goal {quantity.distance!r}"
-            raise source.error(
-                ("quantities", name, "distance"), what, suggestion(quantity.distance, sorted(scene.goal))
-            )
+            do = suggestion(quantity.distance, sorted(scene.goal)) or f"add [goal.{quantity.distance}]"
+            raise source.error(("quantities", name, "distance"), what, do)

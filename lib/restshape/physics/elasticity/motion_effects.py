@@ -74,7 +74,7 @@ class GroundKeys(Strict):
     def _is_whole(self) -> Self:
         only_one(self, ("displacement", "acceleration", "file"))
         if self.direction == (0.0, 0.0):
-            raise UnitError("the direction has no length")
+            raise UnitError("the direction has no length", "write for example direction = [1, 0]")
         if self.file is None and self.frequency is None:
             raise UnitError("the frequency of a harmonic motion is missing")
         if self.file is not None and self.frequency is not None:

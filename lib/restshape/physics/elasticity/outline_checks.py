@@ -6,6 +6,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.dirichlet import Dirichlet, Prescribed
+from restshape.mesh.entity_area import entity_area
 from restshape.mesh.regions import contains, loop_polygon
 from restshape.mesh.thickness import Thickness
 from restshape.physics.elasticity.body_load import require_density
@@ -16,6 +17,8 @@ from restshape.scene.expressions import Expression
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
+REST = 1e-9
+"""Share of the shape that regions leave, below which they fill it: the material of the rest is never looked at."""
 GRID = 60
 """Places in each direction at which a thickness is looked at."""
 
@@ -33,6 +36,21 @@ def check_plane_solid(scene: Scene, outline: Outline) -> None:
         require_density(scene, None if pull is None else np.array(pull))
     except UserError as error:
         raise scene.located(error) from error
+
+
+def check_moving_solid(scene: Scene, outline: Outline) -> None:
+    """As of `check_plane_solid`, and that each material of a body in motion that fills some of it has a density.
+
+    Raises:
+        UserError: one has none, or supports make no sense.
+    """
+    check_plane_solid(scene, outline)
+    named = [region for material in scene.material.values() for region in material.region or ()]
+    rest = entity_area(outline) - sum(entity_area(outline, region) for region in named)
+    for name, material in scene.material.items():
+        if not material.rho and (material.region or rest > REST * entity_area(outline)):
+            do = 'give it one, e.g. rho = "2400 kg/m^3"'
+            raise scene.located(UserError("a body without density cannot vibrate", f"material.{name}", do))
 
 
 def check_supports(scene: Scene, outline: Outline) -> None:

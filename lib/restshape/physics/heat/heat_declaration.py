@@ -108,5 +108,6 @@ HEAT = Physics(
     },
     orders=(2, 1),
     check=check_heat,
+    check_shape="restshape.physics.heat.temperature_jumps:check_conduction",
     inspect_shape="restshape.physics.heat.temperature_jumps:inspect_conduction",
 )

@@ -33,17 +33,19 @@ def heat_quantity(
     if quantity.kind == "area":
         return area_at(space, name, quantity)
     if quantity.kind == "heat_flow":
-        return _outflow(problem, surfaces, capacity, quantity.at)
+        return _outflow(problem, surfaces, capacity, name, quantity.at)
     nodes = observed_nodes(space, name, quantity)
     reduce = reduction(space, quantity, nodes)
     return nodal_quantity(space, quantity, nodes, [0], lambda x, *_: reduce(x[nodes, 0]))
 
 
-def _outflow(problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, edge: str) -> Function:
-    """Heat [W] that leaves by an edge: by its fluxes and convections, and where its temperature is fixed."""
+def _outflow(
+    problem: SteadyProblem, surfaces: Sequence[SurfaceHeat], capacity: Inertia | None, name: str, edge: str
+) -> Function:
+    """Heat [W] that leaves by an edge: by its fluxes and convections, and where temperatures are fixed."""
     index = problem.space.facets_of(edge)
     supported = [on for one in problem.scene.supports.values() if "temperature" in one.fix for on in one.on]
-    fixed = EdgeReactions(problem.space, edge, supported)
+    fixed = EdgeReactions(problem.space, edge, supported, f"quantities.{name}.at")
     parts = [(part, np.flatnonzero(np.isin(part.index, index)).astype(np.int32)) for part in surfaces]
     own = [(part, chosen) for part, chosen in parts if len(chosen)]
 
