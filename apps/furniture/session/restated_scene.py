@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+from restshape_apps.furniture.scene.plank_quantities import place_of
 from restshape_apps.furniture.session.plank_frame import PlankFrame
 from restshape_apps.furniture.shape.plank_adoption import drawn_table, put_table
 from restshape_apps.furniture.shape.planks import SIDES, Piece
 
+from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
 
 
 def restated_tables(frame: PlankFrame) -> Table:
     """The plain tables of a scene that draws the piece of a frame, with the same joints and loads.
+
+    What names a plank that edits have deleted is left out.
 
     Raises:
         UserError: a weight has no mass that is known, for there is no gravity.
@@ -38,6 +43,19 @@ def restated_tables(frame: PlankFrame) -> Table:
             raw[table] = entries
     raw["planks"] = {plank.name: drawn_table(plank) for plank in piece.planks}
     raw["joints"] = joints
+    return _without_the_deleted(raw, frame.scene, names)
+
+
+def _without_the_deleted(raw: Table, scene: Scene, names: Sequence[str]) -> Table:
+    """Tables without what names a plank that edits have deleted: quantities, and what suggestions keep."""
+    there = {"", *names}
+    gone = {name for name, one in scene.quantities.items() if place_of(one)[0] not in there}
+    if gone:
+        raw = raw | {"quantities": {name: one for name, one in raw["quantities"].items() if name not in gone}}
+    guidance = raw.get("effects", {}).get("guidance", {})
+    kept = [lock for lock in guidance.get("keep", ()) if lock.rpartition(" ")[0] in there]
+    if len(kept) < len(guidance.get("keep", ())):
+        raw = raw | {"effects": raw["effects"] | {"guidance": guidance | {"keep": kept}}}
     return raw
 
 

@@ -47,3 +47,19 @@ def test_an_edited_piece_is_exported_as_a_scene(tmp_path, name) -> None:
         assert other.corners() == pytest.approx(one.corners(), abs=1e-9) and other.wood == one.wood
     assert (again.joints, again.feet) == (piece.joints, piece.feet)
     assert Furniture(again).test().words == Furniture(piece).test().words
+
+
+def test_what_names_a_deleted_plank_is_left_out_of_the_scene(tmp_path, capsys) -> None:
+    bench = (applications()["furniture"].folder / "scenes" / "bench.toml").read_text()
+    named = '[effects.guidance]\nkeep = ["level", "rail level"]\n'
+    named += '[quantities]\nrail = { length = "x", at = "rail" }\nseat = { length = "x", at = "seat" }\n'
+    scene, script, out = tmp_path / "bench.toml", tmp_path / "bench.jsonl", tmp_path / "edited.toml"
+    scene.write_text(bench + named)
+    script.write_text(
+        '{"format": "restshape-edits", "version": 1, "scene": "bench.toml", "units": "m"}\n'
+        '{"t": 0.0, "do": "delete", "on": "rail"}\n'
+    )
+    assert main(["export", str(scene), "--edits", str(script), "--as", "toml", "--out", str(out)]) == 0
+    assert "left out, for edits have deleted what it names: quantities.rail" in capsys.readouterr().out
+    again = load_scene(out)
+    assert list(again.quantities) == ["seat"] and again.effects["guidance"]["keep"] == ["level"]

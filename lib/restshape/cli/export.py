@@ -121,12 +121,7 @@ def _of_scene(args: argparse.Namespace) -> dict[str, Any]:
 
 def _restated(args: argparse.Namespace, frame: RestatedFrame, out: ExportFile) -> dict[str, Any]:
     """Writes a scene without an outline; what has been written."""
-
-    def write() -> list[str]:
-        frame.write(out)
-        return []
-
-    return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, _writing(out, write))
+    return _result(args, out, (frame.row, frame.count, frame.t), frame.refused, _writing(out, lambda: frame.write(out)))
 
 
 def _out(args: argparse.Namespace, scene: str) -> ExportFile:

@@ -39,15 +39,17 @@ class RestatedFrame:
     tables: Table
     refused: str
 
-    def write(self, path: Path) -> None:
-        """Writes the scene as TOML.
+    def write(self, path: Path) -> list[str]:
+        """Writes the scene as TOML; returns notes of what it leaves out.
 
         Raises:
-            UserError: its tables make no scene, as where a quantity names what was deleted.
+            UserError: its tables make no scene.
             OSError: it cannot be written.
         """
         remade(self.scene, self.tables)
         write_whole(path, f"# {EXPORT_MARK}\n{toml_text(self.tables)}")
+        gone = [f"quantities.{name}" for name in self.scene.quantities if name not in self.tables["quantities"]]
+        return [f"left out, for edits have deleted what it names: {name}" for name in gone]
 
 
 def restates(scene: Scene) -> bool:
