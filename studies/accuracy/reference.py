@@ -111,7 +111,10 @@ def planned(path: Path, given: Sequence[str], application: Application, finest: 
         if not whys[order]:
             break
     else:
-        raise UserError(f"the reference cannot be had: {next(iter(whys.values()))}", str(path), "see restshape check")
+        with_these = f", with {', '.join(overrides)}," if overrides else ""
+        what = f"the reference{with_these} cannot be had: {next(iter(whys.values()))}"
+        check = " ".join(["restshape check", str(path), *(f"--set {one}" for one in overrides)])
+        raise UserError(what, str(path), f"change the scene until it can be solved so, too ({check})")
     overrides, coarse = ((*some, f"mesh.order={order}") for some in (overrides, coarse))
     fine = load_scene(path, (*given, *overrides))
     affordable = sqrt(unknowns(fine, application, 1.0, order) / scale.reference)

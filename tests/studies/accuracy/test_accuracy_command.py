@@ -11,7 +11,7 @@ from restshape_studies.accuracy import chosen, facts
 from restshape_studies.accuracy.chosen import write_scene as write_chosen
 from restshape_studies.accuracy.study import Case
 from restshape_studies.commands.accuracy import choose, share
-from small_scenes import HEAD, across, drag, plate, write_scene, write_script
+from small_scenes import HEAD, across, block, drag, head, meshed, plate, write_scene, write_script
 from vibrating import dynamics, tower
 
 from restshape.cli.main import main
@@ -234,6 +234,17 @@ def test_numbers_without_commas_are_not_taken_for_scenes_of_the_script(small, tm
     assert "2: there is no such scene" in message and "with commas between" in message
     assert main(["accuracy", str(scene), str(scene), *words]) == 2
     assert "a script belongs to one scene" in capsys.readouterr().err
+
+
+def test_a_reference_that_the_scene_does_not_allow_is_refused_with_its_settings(tmp_path, capsys):
+    """A clamped plate is compared with tetrahedra, which have no slopes to hold."""
+    plate = head("modes") + block(0.2, 0.1) + '[material.tin]\nname = "steel"\nthickness = "2 mm"\n'
+    plate += '[effects.modal]\nmodel = "plate"\n[supports.wall]\non = "left"\nfix = ["z", "rx", "ry"]\n' + meshed(0.02)
+    path = write_scene(tmp_path, plate)
+    assert main(["accuracy", str(path)]) == 2
+    said = capsys.readouterr().err
+    assert "the reference, with effects.modal.model=solid, mesh.layers=2, cannot be had" in said
+    assert f"restshape check {path} --set effects.modal.model=solid --set mesh.layers=2" in said
 
 
 def test_scenes_of_no_use_for_a_study_are_refused(small, tmp_path, capsys):
