@@ -91,6 +91,10 @@ def test_overrides(scene_file, override, read):
         ("mesh.sise=1", "did you mean 'size'"),
         ("shape.outline.7=top", "list of 4 entries"),
         ("title.first=1", "single value|text"),
+        (
+            "material.steel.orthotropic.E.1=5",
+            "leaves out material.steel.orthotropic.E, which cannot be given by its entry 1",
+        ),
         ("nonsense", "not key=value"),
         ("=3", "not key=value"),
         ("mesh.size=nan", "not a finite number"),

@@ -50,8 +50,13 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
     if not key:
         raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
     here: object = raw
+    left_out = False
     for depth, part in enumerate(key):
         last = depth == len(key) - 1
+        if left_out and last and part.isdigit() and not isinstance(value, dict):
+            whole = ".".join(key[:depth])
+            what = f"the scene leaves out {whole}, which cannot be given by its entry {part} alone"
+            raise UserError(what, where, f"set all of its entries: {whole} = [...]")
         if isinstance(here, list):
             if not part.isdigit() or int(part) >= len(here):
                 places = f"a list of {len(here)} entries"
@@ -74,6 +79,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
                 here.pop(other[-1], None)
             here[part] = value
         else:
+            left_out = part not in here
             here = here.setdefault(part, {})
 
 
