@@ -18,7 +18,7 @@ from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import kernel_body
-from restshape.scene.bodies import Body
+from restshape.scene.bodies import Body, Plane
 
 log = logging.getLogger("restshape.physics")
 
@@ -30,6 +30,11 @@ MOST_PARTS = 1_000
 """Parts of a frame's way at most; the rest is gone at once, and the frame is doubted."""
 TURNED = 1.1
 """Angle by which a body turns in a part, at most [rad], with cloth that goes with it."""
+FAR = 12.0
+"""Way of a half-space, over the thickness of contact, from which on held cloth is guessed to go along: from less than
+that it gets out by itself in few steps."""
+SQUEEZED = 0.5
+"""Part of the cloth's height above a half-space by which this may rise with the cloth guessed to go along."""
 STILL = 0.1
 """A body has not got any farther where it went less than this part of the way that it may be in the cloth."""
 
@@ -133,11 +138,11 @@ def _carrier(problem: ClothProblem, before: tuple[Body, ...], after: tuple[Body,
 def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], after: tuple[Body, ...]) -> np.ndarray:
     """How far (n, 3) cloth at x (n, 3) is guessed to go with bodies.
 
-    Cloth that lies on one body alone, and hangs nowhere, goes where this goes.
+    Cloth that lies on one body alone, and hangs nowhere, goes where this goes; where supports hold it, see `lifted`.
     """
     contact, number = problem.contact, _carrier(problem, before, after)
     if number is None:
-        return np.zeros_like(x)
+        return lifted(problem, x, before, after)
     old, new = before[number], after[number]
     corners = problem.corners(x)
     # Slopes turn with the cloth.
@@ -145,6 +150,27 @@ def body_guess(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], a
     found = surface_motion(old, new, contact.place(corners), contact.history, number)
     way[problem.corner_number] = found[: len(corners)]
     return way
+
+
+def lifted(problem: ClothProblem, x: np.ndarray, before: tuple[Body, ...], after: tuple[Body, ...]) -> np.ndarray:
+    """How far (n, 3) held cloth at x (n, 3) is guessed to go with a half-space that alone presses it, and rises.
+
+    All of space goes, evenly less with the distance, so that the farthest place stays: layers that lie on the surface
+    go along as they lie, and nothing can cross. Left behind, they would have to get out of it one after the other.
+    """
+    pressed = [k for k in range(len(after)) if problem.contact.history.pressed(k)]
+    old, new = (bodies[pressed[0]].form if len(pressed) == 1 else None for bodies in (before, after))
+    if not (isinstance(old, Plane) and isinstance(new, Plane)) or old.normal != new.normal:
+        return np.zeros_like(x)
+    normal = np.asarray(new.normal, float) / np.linalg.norm(new.normal)
+    rise = float(np.subtract(new.point, old.point) @ normal)
+    height = float(((problem.corners(x) - old.point) @ normal).max())
+    if not FAR * problem.contact.thickness < rise < SQUEEZED * height:
+        return np.zeros_like(x)
+    # Slopes change with the gradient of the map.
+    way = -rise / height * x @ normal
+    way[problem.corner_number] += rise * (1.0 + np.asarray(old.point) @ normal / height)
+    return way[:, None] * normal
 
 
 def surface_motion(old: Body, new: Body, places: np.ndarray, history: FrictionHistory, number: int) -> np.ndarray:
