@@ -7,9 +7,10 @@ import re
 import numpy as np
 import pytest
 from restshape_apps.metallophone import application
+from restshape_apps.metallophone.hung import hung_words
 
 from restshape.analysis.border_distance import BorderDistance
-from restshape.analysis.hanging import Hanging, hanging_of, hanging_points
+from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of, hanging_points
 from restshape.analysis.nodal_lines import linear_triangles
 from restshape.cli.main import main
 from restshape.errors import UserError
@@ -160,6 +161,11 @@ def test_words_and_data_of_the_command(tmp_path, capsys):
     assert "lines not fixed" in capsys.readouterr().out and "2 modes" in json.loads(found.read_text())["hanging"]["why"]
     assert main(["modes", str(SCENES / "disc.toml"), "--set", "mesh.size=0.3", "--json", str(found)]) == 0
     assert "hanging" not in json.loads(found.read_text())
+
+
+def test_coordinates_that_are_0_but_for_rounding_are_0_in_words():
+    places = np.array([[0.0264, 0.008], [0.132, -7.2e-20]])
+    assert "(132, 0) mm" in hung_words(HangingPoints(places, np.zeros(2), 0.0))
 
 
 @pytest.mark.parametrize(
