@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import cast
 
+from restshape.errors import UserError
 from restshape.interface.plain import plain
 from restshape.interface.saved import save_text
 from restshape.interface.scripts import refuse_names
 from restshape.scene.load import load_scene, revise, scene_of_tables
 from restshape.scene.model import Scene
 from restshape.scene.plain_values import Table
+from restshape.scene.units import article
 
 
 def load(path: str | Path, *overrides: str) -> Scene:
@@ -24,6 +26,10 @@ def load(path: str | Path, *overrides: str) -> Scene:
     Raises:
         UserError: naming file, key and line of what is wrong, and what to do.
     """
+    for override in overrides:
+        if not isinstance(override, str):
+            what = f"an override is a text, not {article(type(override).__name__)}"
+            raise UserError(what, do="""write load("scene.toml", "mesh.size='1 cm'", ...), or a star before a list""")
     return load_scene(path, overrides)
 
 
