@@ -24,6 +24,7 @@ tolerance = 1e-9
 bending = "{kind}"
 """
 HELD = '[supports.pins]\non = ["a", "b"]\nfix = ["x", "y", "z"]\n'
+HOLD = "[hold]\nat = [0.2, 0.2]\nto = [0.18, 0.17, 0.02]\n"
 CLAMPED = '[supports.clamp]\non = "left"\nfix = { x = "0*x", y = "0.02*y*y", z = "0.1*y*x", slope = "0" }\n'
 BALL = "[bodies.ball]\nsphere = {{ center = [0.1, 0.11, -0.062], radius = 0.06 }}\nfriction = {friction}\n"
 CONTACT = '[effects.contact]\nthickness = "2 mm"\nself = false\n'

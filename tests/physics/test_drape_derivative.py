@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 import pytest
-from drape_designs import BALL, CLAMPED, CONTACT, HELD, DrapeDesign, folded, sheet
+from drape_designs import BALL, CLAMPED, CONTACT, HELD, HOLD, DrapeDesign, folded, sheet
 from small_scenes import across, drag, write_scene, write_script
 
 from restshape._kernels import Body
@@ -55,6 +55,11 @@ def test_moving_the_pattern_in_its_plane_moves_what_is_held_with_it(tmp_path, ki
     expected = np.zeros_like(s)
     expected[design.problem.corner_number] = [0.6, -0.8, 0.0]
     np.testing.assert_allclose(s, expected, atol=1e-8)
+
+
+def test_what_a_hand_holds_stays_where_that_is_as_the_material_moves(tmp_path):
+    design = DrapeDesign(tmp_path, sheet("morley", HELD, HOLD, size=0.05))
+    check_order(design, design.direction(), 1e-4)
 
 
 def test_cloth_that_is_not_at_rest_has_no_derivative(tmp_path):

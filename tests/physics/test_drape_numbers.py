@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from drape_designs import BALL, CONTACT, COTTON, HELD, DrapeDesign, folded, sheet
+from drape_designs import BALL, CONTACT, COTTON, HELD, HOLD, DrapeDesign, folded, sheet
 from small_scenes import head, meshed
 
 from restshape.errors import UserError
@@ -321,3 +321,11 @@ def test_a_singular_tangent_is_stiffened_in_bending_and_says_so(tmp_path, kind):
         corners = design.problem.corners(found.s[0])
         np.testing.assert_allclose(corners, np.broadcast_to([0.0, 0.0, 1.0], corners.shape), atol=1e-6)
     assert design.problem.fabric.bending[0, 0] == 1e-16
+
+
+def test_what_a_hand_holds_stays_as_the_scene_moves_its_cloth(tmp_path):
+    check(
+        DrapeDesign(tmp_path, sheet("morley", HELD, HOLD, "[start]\nmove = [0, 0, 0]\n", size=0.05)),
+        "start.move.2",
+        1e-5,
+    )

@@ -264,3 +264,17 @@ def test_a_garment_that_neither_supports_nor_friction_hold_is_doubted(tmp_path, 
     assert main(["check", str(write_scene(tmp_path, garment(panel("front"), limb, sewn)))]) == 0
     printed = " ".join(capsys.readouterr().out.split())
     assert ("no body has friction: it may slide off; set bodies.limb.friction" in printed) is said
+
+
+def test_a_hand_that_holds_a_layer_below_a_lower_one_is_refused(tmp_path, capsys):
+    lining, cover = (
+        panel("lining", "layer = 1", width=0.4, height=0.4),
+        panel("cover", "layer = 2", "at = [1.0, 0.0]", "move = [0.1, 0.1, -0.02]"),
+    )
+    held = UNDER.replace(
+        '[supports.cover]\non = "cover.top"\nfix = ["x", "y", "z"]',
+        "[hold]\nat = [1.05, 0.05]\nto = [0.15, 0.15, -0.02]",
+    )
+    assert main(["check", str(write_scene(tmp_path, garment(lining, cover, held)))]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "hold.to" in said and "it holds cover below lining, which is of a lower layer" in said, said

@@ -89,6 +89,19 @@ def test_a_way_of_several_frames_begins_where_the_hand_is(strip):
     np.testing.assert_allclose(heights, [-0.09, -0.08, -0.07, -0.06])
 
 
+def test_the_first_way_of_several_frames_goes_from_its_first_place_without_a_stop():
+    scene = restshape.new_scene(STRIP)
+    script = restshape.new_script(
+        scene,
+        [
+            {"do": "press", "on": "cloth", "at": [0.4, 0.05]},
+            {"do": "drag", "path": [[0.35, 0.05, -0.1], [0.35, 0.05, -0.06]], "frames": 4},
+        ],
+    )
+    holds = [hold_of(frame.scene) for frame in restshape.replay(scene, script)]
+    np.testing.assert_allclose([hold.to[2] for hold in holds if hold], [-0.09, -0.08, -0.07, -0.06])
+
+
 def test_a_press_without_a_drag_changes_nothing(strip):
     before, scene = places(strip), strip.scene
     with strip.press("cloth", at=[0.2, 0.05]):
@@ -128,6 +141,16 @@ def test_a_scene_may_hold_a_point_of_its_own_and_says_so():
         with simulation.press("cloth", at=[0.2, 0.05]) as hand:
             hand.to(0.15, 0.05, -0.1)
         assert hold_of(simulation.scene).at == (0.4, 0.05)
+
+
+def test_cloth_may_hang_by_the_point_alone():
+    hanging = {**STRIP, "supports": {}, "quantities": {}, "hold": {"at": [0.2, 0.05], "to": [0.0, 0.0, 0.3]}}
+    with restshape.open(restshape.new_scene(hanging)) as simulation:
+        assert simulation.frame.row["converged"] == 1
+        with simulation.press("cloth", at=[0.4, 0.05]) as hand:
+            hand.to(0.1, 0.0, 0.2)
+            np.testing.assert_allclose(places(simulation)[node_at(simulation, 0.4, 0.05)], [0.1, 0.0, 0.2], atol=1e-12)
+        np.testing.assert_allclose(places(simulation)[node_at(simulation, 0.2, 0.05)], [0.0, 0.0, 0.3], atol=1e-12)
 
 
 EVENTS = [

@@ -46,9 +46,11 @@ class PointGrab(SpaceGrab):
             raise UserError("a point of the cloth is held in space, and this place has no z", do="write three numbers")
         return SpaceGrab.through(self, path)
 
-    def begins(self, path: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
-        """Where a way of several frames begins: where the hand is; at its first place, where it has been nowhere."""
-        return self.cursor if self.seen else path[0]
+    def whole_way(self, path: Sequence[tuple[float, ...]]) -> Sequence[tuple[float, ...]]:
+        """Points [m] of a way of several frames: from where the hand is; from the first one, where it was nowhere."""
+        if self.seen:
+            return [self.cursor, *path]
+        return path if len(path) > 1 else [path[0], path[0]]
 
     def dragged(self, session: Draggable, point: tuple[float, ...]) -> Step:
         """The frame in which the point goes to a place [m]."""

@@ -204,7 +204,8 @@ class EditSession(ScriptSession[Outline]):
             yield from self._refused(event.frame_count, why)
             return
         if event.frames is not None and event.frames != len(path):
-            path = resampled(tuple(grab.begins(path)), path, event.frames)
+            begin, *rest = grab.whole_way(path)
+            path = resampled(tuple(begin), rest, event.frames)
         for point in path:
             yield grab.dragged(self, point)
 

@@ -54,9 +54,9 @@ class Grab(ABC):
         """Gesture and coefficients of a frame in which nothing moves."""
         return {"gesture": self.gesture, "c": self.c}
 
-    def begins(self, path: Sequence[tuple[float, ...]]) -> tuple[float, ...]:
-        """Where a way of several frames along a path begins [m]: where the hand is."""
-        return self.cursor
+    def whole_way(self, path: Sequence[tuple[float, ...]]) -> Sequence[tuple[float, ...]]:
+        """Two or more points [m] that a way of several frames along a path goes through: from where the hand is."""
+        return [self.cursor, *path]
 
     def let_go(self, session: Draggable) -> Step:
         """The frame in which the hand lets go."""

@@ -62,6 +62,12 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
     )
 
 
+def nodes_of_hand(scene: Scene, mesh: Mesh) -> np.ndarray:
+    """The node (1,) that is nearest to the point that a hand holds; (0,) where it holds none."""
+    hold = hold_of(scene)
+    return np.empty(0, dtype=np.int64) if hold is None else np.hypot(*(mesh.X - hold.at).T).argmin(keepdims=True)
+
+
 def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
     """Prescribe the place of the node that is nearest to the point that a hand holds.
 
@@ -72,7 +78,7 @@ def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
     if hold is None:
         return
     distance = np.hypot(*(mesh.X - hold.at).T)
-    node, place = int(distance.argmin()), f"{scene.path}: hold"
+    node, place = int(nodes_of_hand(scene, mesh)[0]), f"{scene.path}: hold"
     around = mesh.edge_nodes[(mesh.edge_nodes == node).any(axis=1)]
     if distance[node] > np.hypot(*(mesh.X[around[:, 0]] - mesh.X[around[:, 1]]).T).max(initial=0.0):
         at = f"({hold.at[0]:.6g}, {hold.at[1]:.6g}) m"

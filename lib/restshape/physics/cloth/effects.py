@@ -11,6 +11,7 @@ from restshape.physics.cloth.body_columns import body_columns
 from restshape.physics.cloth.thin_bodies import borne
 from restshape.physics.cloth.touching_itself import FINE, layer_thickness
 from restshape.scene.effect import Effect, ResolvedSettings
+from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene
 from restshape.scene.values import Strict, Whole, number_of
 
@@ -47,7 +48,8 @@ class ClothKeys(Strict):
         """
         names = ", ".join(f"bodies.{name}" for name in scene.bodies) if "contact" not in scene.effects else ""
         through = f"falls through {names}: there is no [effects.contact]" if names else ""
-        if not scene.supports and "gravity" in scene.effects and (through or not scene.bodies):
+        hangs = scene.supports or hold_of(scene) is not None
+        if not hangs and "gravity" in scene.effects and (through or not scene.bodies):
             what = f"it {through}" if through else "nothing catches it: it falls for ever"
             do = "add [effects.contact]" if through else "add [supports.NAME], or [bodies.NAME] and [effects.contact]"
             raise UserError(f"nothing holds the cloth, and {what}", "effects.gravity", do)

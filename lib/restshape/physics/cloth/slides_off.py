@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene
 
 
 def slipping_words(scene: Scene) -> list[str]:
     """What there is to doubt of a sewn scene whose cloth neither supports nor friction hold."""
-    if not scene.seams or not scene.bodies or scene.supports:
+    if not scene.seams or not scene.bodies or scene.supports or hold_of(scene) is not None:
         return []
     if any(body.friction != 0.0 for body in scene.bodies.values()):
         return []

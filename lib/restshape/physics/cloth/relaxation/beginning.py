@@ -121,11 +121,11 @@ def _refuse_constrained(problem: ClothProblem, layers: Layers, begun: Beginning,
     if not len(constrained):
         return
     node, cell = node[constrained[0]], cell[constrained[0]]
-    name = next(name for name, one in scene.supports.items() if node in nodes_on(problem.mesh, one.on))
+    holding = (f"supports.{name}" for name, one in scene.supports.items() if node in nodes_on(problem.mesh, one.on))
     upper, lower = (layers.order.names[layers.order.node_panel[one]] for one in (node, layers.cells[cell, 0]))
     raise UserError(
         f"it holds {upper} below {lower}, which is of a lower layer",
-        f"supports.{name}",
+        next(holding, "hold.to"),
         f"move {upper} out, or change panels.{upper}.layer",
     )
 
