@@ -117,7 +117,11 @@ def test_a_press_without_a_drag_changes_nothing(strip):
         ({"at": [0.2, 0.05, 0.0]}, None, "named in the pattern plane"),
         ({"at": [0.2, 0.05]}, [0.2, 0.05], "has no z"),
         ({"at": [0.9, 0.05]}, [0.2, 0.05, 0.1], "there is no cloth at"),
-        ({"at": [0.0, 0.05]}, [0.2, 0.05, 0.1], "another displacement than one before it"),
+        (
+            {"at": [0.0, 0.05]},
+            [0.2, 0.05, 0.1],
+            "of the pattern, and the hand is 0.2 m from there",
+        ),
     ],
 )
 def test_what_cannot_be_grabbed_is_refused_and_goes_on(press, to, why):

@@ -83,8 +83,13 @@ def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
     if distance[node] > np.hypot(*(mesh.X[around[:, 0]] - mesh.X[around[:, 1]]).T).max(initial=0.0):
         at = f"({hold.at[0]:.6g}, {hold.at[1]:.6g}) m"
         raise UserError(f"there is no cloth at {at} of the pattern", f"{place}.at", "hold it elsewhere")
-    for axis, value in enumerate(hold.to):
-        _prescribe(given, np.array([node]), axis, np.array([value]), mesh, f"{place}.to")
+    way = np.abs(given[node] - hold.to)
+    if (way > ALIKE * _size(mesh.X)).any():
+        axis, (x, y) = int(np.nanargmax(way)), mesh.X[node]
+        what = f"a support constrains {AXES[axis]} of the cloth at ({x:.6g}, {y:.6g}) m of the pattern"
+        do = f"hold it at {AXES[axis]} = {given[node, axis]:.6g} m, or elsewhere"
+        raise UserError(f"{what}, and the hand is {way[axis]:.6g} m from there", f"{place}.to", do)
+    given[node] = hold.to
 
 
 def _edges(scene: Scene, mesh: Mesh, support: Support, where: str) -> np.ndarray:
