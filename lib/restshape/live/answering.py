@@ -143,23 +143,23 @@ class Worker(MessageLoop):
     def _carry_out(self, event: Event, missed: str = "") -> None:
         """Carries an event out; `missed`: why the press before it was refused, whose frame pages may not have seen."""
         self.live.begin(event)
-        while self.live.step is not None and self.live.go_on():
-            if self._cancelled():
+        live = self.live
+        while live.step is not None and live.go_on():
+            if live.shared and self._cancelled():
                 return
             # What is shown is written down before.
-            self.live.finish()
+            live.finish()
             self._write(self._answered, with_next=True)
             moment = self.moment()
             if missed:
                 moment.header["missed"] = missed
             self.send(moment)
             self._end_early()
-        self._write(self._answered)
+        if live.lines:
+            self._write(self._answered)
 
     def _cancelled(self) -> bool:
         """Goes on from before the event where the server, which does not end several ranks, has passed on a cancel."""
-        if not self.live.shared:
-            return False
         with suppress(LinkClosed):
             self.waits()
         cancels = [number for number, one in enumerate(self._waiting) if isinstance(one, page.CancelMessage)]

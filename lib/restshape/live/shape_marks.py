@@ -40,6 +40,7 @@ class ShapeMarks:
 
     def __init__(self) -> None:
         self.conditions, self.extremes = ConditionMarks(), ExtremeMarks()
+        self._text: object = ""
         self._places: tuple[list[str], Lines | None] = ([], None)
         self._at: tuple[object, ...] = ()
         self._nodes: Indices | None = None
@@ -60,10 +61,13 @@ class ShapeMarks:
     def _singular(self, seen: SeenFrame) -> list[Mark]:
         """Where quantities have no limit under refinement."""
         # Exponents, which differ from frame to frame, are not said: names alone stand in quotes.
-        found, _, places = str(seen.frame.row.get(SINGULAR_PLACES, "")).partition("}")
-        said = [places, *found.split('"')[1::2]]
-        if said != self._places[0]:
-            self._places = said, next(iter(singular_marks(seen.frame.row)), None)
+        text = seen.frame.row.get(SINGULAR_PLACES, "")
+        if text is not self._text:
+            self._text = text
+            found, _, places = str(text).partition("}")
+            said = [places, *found.split('"')[1::2]]
+            if said != self._places[0]:
+                self._places = said, next(iter(singular_marks(seen.frame.row)), None)
         mark = self._places[1]
         if mark is None:
             return []
