@@ -9,6 +9,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.fem.averages import facet_weights
 from restshape.fem.space import PlaneSpace
+from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 
 
@@ -80,3 +81,17 @@ def require_border(outline: Outline, edge: str, where: str) -> None:
     border = {index for loop in outline.loops if loop.kind != "region" for index, _ in loop.edges}
     if not border.issuperset(outline.entity(edge).edges):
         raise UserError(f"nothing leaves the body at {edge!r}, which lies inside", where, "name an edge of the border")
+
+
+def check_heat_flows(scene: Scene, outline: Outline) -> None:
+    """Makes sure that heat can leave where quantities ask how much does.
+
+    Raises:
+        UserError: one asks at an edge inside the body.
+    """
+    for name, quantity in scene.quantities.items():
+        if quantity.kind == "heat_flow" and quantity.at:
+            try:
+                require_border(outline, quantity.at, f"quantities.{name}.at")
+            except UserError as error:
+                raise scene.located(error) from error

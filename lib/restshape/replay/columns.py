@@ -10,7 +10,6 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.findings import FINDINGS_BYTES
 from restshape.replay.recorded_places import PLACES_BYTES, SINGULAR_PLACES, places_wanted
-from restshape.scene.plain_values import table_in
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -153,6 +152,9 @@ def jumps_wanted(scene: Scene, application: Application) -> bool:
 
 def asked_errors(scene: Scene) -> list[str]:
     """The quantities whose errors a scene asks for, each by itself."""
+    # As of `columns_of`.
+    from restshape.scene.plain_values import table_in
+
     given = table_in(scene.raw, "quantities")
     return [name for name in given if table_in(given, name).get("error") is True]
 

@@ -108,6 +108,6 @@ HEAT = Physics(
     },
     orders=(2, 1),
     check=check_heat,
-    check_shape="restshape.physics.heat.temperature_jumps:check_conduction",
+    check_shape="restshape.fem.edge_reactions:check_heat_flows",
     inspect_shape="restshape.physics.heat.temperature_jumps:inspect_conduction",
 )

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from restshape.errors import ReplayProblem, UserError
-from restshape.fem.edge_reactions import require_border
+from restshape.errors import ReplayProblem
 from restshape.fem.nodal_values import Nodal
 from restshape.scene.expressions import Value
 from restshape.scene.model import Scene
@@ -22,20 +21,6 @@ CONTINUOUS = 1e-6
 
 Given = Mapping[str, tuple[str, Value]]
 """Of names of entities: where the scene gives their temperature, and which."""
-
-
-def check_conduction(scene: Scene, outline: Outline) -> None:
-    """Makes sure that heat can leave where quantities ask how much does.
-
-    Raises:
-        UserError: one asks at an edge inside the body.
-    """
-    for name, quantity in scene.quantities.items():
-        if quantity.kind == "heat_flow" and quantity.at:
-            try:
-                require_border(outline, quantity.at, f"quantities.{name}.at")
-            except UserError as error:
-                raise scene.located(error) from error
 
 
 def inspect_conduction(scene: Scene, outline: Outline) -> Inspection:
