@@ -7,6 +7,7 @@ from small_scenes import plate, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.cli.placed_formulas import refuse_without_number
+from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_of
 
@@ -44,10 +45,18 @@ def test_a_load_on_second_order_elements_needs_no_number_at_the_ends_of_an_edge(
 
 
 def test_parts_elsewhere_count_for_nothing(tmp_path):
-    scene = load_scene(
-        write_scene(tmp_path, plate(0.2)), [INSERT, 'loads.heavy={on="insert",body=[0,"sqrt(x-1.19)*sqrt(0.41-y)"]}']
-    )
-    refuse_without_number(scene, outline_of(scene))
+    file = write_scene(tmp_path, plate(0.2))
+
+    def refused(on):
+        scene = load_scene(file, [INSERT, f'loads.heavy={{on="{on}",body=[0,"sqrt(x-1.19)*sqrt(0.41-y)"]}}'])
+        try:
+            refuse_without_number(scene, outline_of(scene))
+        except UserError as error:
+            return str(error)
+        return ""
+
+    assert refused("insert") == ""
+    assert "not a finite number" in refused("all")
 
 
 def test_edits_after_which_there_is_no_number_are_refused(tmp_path, capsys):
