@@ -48,6 +48,16 @@ def test_a_panel_that_neither_seam_nor_support_reaches_is_warned_of(tmp_path):
     assert seen(tmp_path, *panels, '[seams.own]\nfrom = "pocket.left"\nto = "pocket.right"\n').warnings == (loose,)
 
 
+def test_a_panel_under_a_hand_is_not_warned_of(tmp_path):
+    panels = ON_FOLD + panel("pocket", "move = [0, 2, 0]"), HIP.format(to="right"), OTHER
+    outline = outline_from_spec(load_scene(write_scene(tmp_path, garment(*panels, HELD))).shape)
+    x, y = outline.centroid(outline.entity("pocket"))
+    held = f"[hold]\nat = [{x}, {y}]\nto = [0, 2, 0]\n"
+    assert len(seen(tmp_path, *panels).warnings) == 1 and not seen(tmp_path, *panels, held).warnings
+    x, y = outline.centroid(outline.entity("front"))
+    assert len(seen(tmp_path, *panels, f"[hold]\nat = [{x}, {y}]\nto = [0, 0, 0]\n").warnings) == 1
+
+
 def test_pleats_take_twice_their_depth(tmp_path):
     found = seen(tmp_path, panel("front"), panel("band", "move = [0, 0, 1]", width=0.16), PLEATED)
     assert found.rows == [("lengths of waist", "from 160 mm (flat 200 mm), to 160 mm")] and not found.warnings

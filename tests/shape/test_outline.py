@@ -9,6 +9,7 @@ from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.curves import bulge_through
+from restshape.shape.pieces import distance_outside
 from restshape.shape.validity import problem
 
 S = np.linspace(0.0, 1.0, 41)
@@ -242,3 +243,19 @@ def test_the_box_of_an_arc_and_a_spline_is_exact():
     assert upper[1] == pytest.approx(max(tops), abs=1e-14)
     assert upper[1] > np.max(outline.points[:, 1]) + 1e-4
     np.testing.assert_allclose(lower, [-0.05, 0.0], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("place", "distance"),
+    [
+        ((1.0, 0.5), 0.0),
+        ((1.5, 0.4), 0.0),
+        ((0.5, 0.5), 0.2),
+        ((0.5, 0.65), 0.05),
+        ((1.0, -0.3), 0.3),
+        ((-0.3, -0.4), 0.5),
+        ((2.3, 0.5), 0.1),
+    ],
+)
+def test_places_outside_are_as_far_as_the_nearest_edge(place, distance):
+    assert distance_outside(plate(), np.array(place)) == pytest.approx(distance, abs=3e-3)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import restshape
+from restshape.cli.main import main
 from restshape.scene.held_point import hold_of
 
 STRIP = {
@@ -116,7 +117,7 @@ def test_a_press_without_a_drag_changes_nothing(strip):
         ({}, None, "named in the pattern plane"),
         ({"at": [0.2, 0.05, 0.0]}, None, "named in the pattern plane"),
         ({"at": [0.2, 0.05]}, [0.2, 0.05], "has no z"),
-        ({"at": [0.9, 0.05]}, [0.2, 0.05, 0.1], "there is no cloth at"),
+        ({"at": [0.9, 0.05]}, None, "there is no cloth at (0.9, 0.05) m of the pattern"),
         (
             {"at": [0.0, 0.05]},
             [0.2, 0.05, 0.1],
@@ -173,3 +174,30 @@ def test_what_is_reused_changes_no_answer():
         forces.append([frame.quantities["weight_there"] for frame in restshape.replay(scene, script, policy=policy)])
     np.testing.assert_allclose(*forces, atol=5e-3 * WEIGHT)
     assert len(forces[0]) == 6 and forces[0][3] != pytest.approx(WEIGHT, rel=0.1)
+
+
+def test_a_derivative_keeps_the_node_under_the_hand_where_two_are_as_near():
+    # The middle of the right side is as far from the nodes above and below: which is nearer hangs on the drag.
+    grabbed = {**STRIP, "hold": {"at": [0.4, 0.05], "to": [0.35, 0.05, -0.05]}}
+    grabbed["quantities"] = {"energy": {"energy": "potential"}}
+    with restshape.open(restshape.new_scene(grabbed)) as simulation:
+        here, slopes = simulation.frame.quantities["energy"], simulation.frame.derivative("b")["energy"]
+        there = simulation.press("b").to(0.4, -1e-4).quantities["energy"]
+        assert np.isfinite(slopes).all()
+        assert (there - here) / -1e-4 == pytest.approx(slopes[1], rel=2e-2)
+
+
+def test_the_command_script_writes_the_way_of_a_point(tmp_path, capsys):
+    scene, out = tmp_path / "strip.toml", tmp_path / "edits.jsonl"
+    restshape.save_scene(restshape.new_scene(STRIP), scene)
+    line = "cloth at 40cm 5cm from 0.35 0.05 -0.1 by 0 0 4 cm in 4 frames"
+    assert main(["script", str(scene), line, "--out", str(out)]) == 0
+    read = restshape.load(scene)
+    grabbed = [hold_of(frame.scene) for frame in restshape.replay(read, restshape.load_script(out, read))]
+    heights = [hold.to[2] for hold in grabbed if hold]
+    np.testing.assert_allclose(heights, [-0.09, -0.08, -0.07, -0.06])
+    missed = "cloth at 0.9 0.05 from 0.35 0.05 -0.1 by 0 0 0.04 in 1 frame"
+    assert main(["script", str(scene), missed, "--out", str(out)]) == 0
+    assert "there is no cloth at (0.9, 0.05) m of the pattern" in capsys.readouterr().err
+    assert main(["check", str(scene), str(out)]) == 1
+    assert "there is no cloth at (0.9, 0.05) m of the pattern" in capsys.readouterr().out

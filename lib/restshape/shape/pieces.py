@@ -1,11 +1,11 @@
-"""In which of several outlines a loop or a point lies."""
+"""In which of several outlines a loop or a point lies, and how far a point is from all of them."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from restshape.arrays import Reals
-from restshape.shape.outline import Outline
+from restshape.shape.outline import Loop, Outline
 
 
 class PieceFinder:
@@ -38,12 +38,32 @@ class PieceFinder:
         return next((k for k, polygon in enumerate(self._polygons) if _inside(polygon, place)), 0)
 
     def _polygon(self, loop: int) -> Reals:
-        outline = self._outline
-        parts = []
-        for edge, forward in outline.loops[loop].edges:
-            chain = outline.polyline(edge)
-            parts.append((chain if forward else chain[::-1])[:-1])
-        return np.concatenate(parts)
+        return _polygon(self._outline, self._outline.loops[loop])
+
+
+def distance_outside(outline: Outline, place: Reals) -> float:
+    """How far a place (2,) [m] is from the pieces of an outline; 0 inside of one and in no hole of it [m]."""
+    polygons = [_polygon(outline, loop) for loop in outline.loops if loop.kind in ("outline", "hole")]
+    if sum(_inside(polygon, place) for polygon in polygons) % 2:
+        return 0.0
+    return min(_distance(polygon, place) for polygon in polygons)
+
+
+def _polygon(outline: Outline, loop: Loop) -> Reals:
+    """Corners (k, 2) of a loop's straight pieces, in its direction [m]."""
+    parts = []
+    for edge, forward in loop.edges:
+        chain = outline.polyline(edge)
+        parts.append((chain if forward else chain[::-1])[:-1])
+    return np.concatenate(parts)
+
+
+def _distance(polygon: Reals, place: Reals) -> float:
+    """The distance of a place (2,) from the sides of a polygon (k, 2) [m]."""
+    side, way = np.roll(polygon, -1, axis=0) - polygon, place - polygon
+    square = np.maximum((side**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip((way * side).sum(axis=1) / square, 0.0, 1.0)
+    return float(np.hypot(*(way - share[:, None] * side).T).min())
 
 
 def _inside(polygon: Reals, place: Reals) -> bool:

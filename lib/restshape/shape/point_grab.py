@@ -13,11 +13,15 @@ from restshape.scene.load import revise, without
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 from restshape.shape.panel_placement import PatternPlacement
+from restshape.shape.pieces import PieceFinder, distance_outside
 from restshape.shape.script_session import Step
 from restshape.shape.space_grab import Draggable, Place, SpaceGrab
 
 KEY = "hold"
 """Table of scenes that says which point is held, and where."""
+BESIDE = 0.03
+"""Share of the shape's size within which a point beside it is on its edge, where the scene has no mesh size: sides of
+triangles cut off round edges."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -84,19 +88,15 @@ def begin_point_grab(outline: Outline, scene: Scene, at: tuple[float, ...] | Non
     """A hand that takes hold of a point of the sheet, named in the pattern plane [m].
 
     Raises:
-        UserError: no point is named.
+        UserError: no point is named, or one that is farther from the cloth than a triangle is wide.
     """
     if at is None or len(at) != 2:
         what = "a point of the cloth is named in the pattern plane"
         raise UserError(what, do='add "at": [x, y] to the press; drags then say where in space it is held')
     point = np.array(at)
-    middles = np.array(
-        [outline.points[outline.layout.control_piece == k].mean(axis=0) for k in range(_pieces(outline))]
-    )
-    piece = int(((middles - point) ** 2).sum(axis=1).argmin())
+    if distance_outside(outline, point) > (scene.mesh.size or BESIDE * outline.size):
+        what = f"there is no cloth at ({at[0]:.6g}, {at[1]:.6g}) m of the pattern"
+        raise UserError(what, do="name a point inside of the outline")
+    piece = PieceFinder(outline).of_point(point)
     x, y, z = PatternPlacement(scene).places(point[None], np.array([piece]))[0].tolist()
     return PointGrab(CLOTH, (x, y, z), (x, y, z), (outline, scene), at=(at[0], at[1]))
-
-
-def _pieces(outline: Outline) -> int:
-    return int(outline.layout.control_piece.max()) + 1

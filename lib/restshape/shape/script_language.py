@@ -11,6 +11,7 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.scene.edit_script import EVENTS, FORMAT, VERSION, Script
+from restshape.scene.held_point import CLOTH
 from restshape.scene.model import Scene
 from restshape.scene.overrides import parse_override
 from restshape.scene.plain_values import Table
@@ -27,6 +28,8 @@ GRAMMAR = """\
 [KIND] ENTITY by DX DY [DZ] in N frames[, straight | jerk | hand-like][, pause K]
                                                        KIND: vertex, edge, hole, region, group, body, support;
                                                        DZ: of bodies and of supports in space
+cloth at X Y from X Y Z by DX DY DZ in N frames[, straight | jerk | hand-like][, pause K]
+                                                       a point of the pattern, and where the hand begins in space
 rotate ENTITY by ANGLE [about X Y] [in N frames]       scale ENTITY by FACTOR [about X Y] [in N frames]
 pull CURVE [at X Y] by DX DY [pins PIN PIN ...] in N frames[, straight | jerk | hand-like][, pause K]
                                                        PIN: a vertex, or (X Y)
@@ -140,6 +143,10 @@ class LineInterpreter:
             what = f"{match['on']} is a part of the shape, which has no z"
             raise UserError(what, match.string, "leave the third length out")
         return self._moved({"do": "press", "on": match["on"], "at": list(start)}, start, match)
+
+    def _cloth(self, match: re.Match[str]) -> list[Table]:
+        at, start = (tuple(length(match[key]) for key in keys) for keys in (("x", "y"), ("fx", "fy", "fz")))
+        return self._moved({"do": "press", "on": CLOTH, "at": list(at)}, start, match)
 
     def _pull(self, match: re.Match[str]) -> list[Table]:
         outline, pins = self._session.outline, _pins(match)
@@ -272,6 +279,12 @@ RULES: list[Rule] = [
         (rf"set\s+(?P<key>[^\s=]+)\s*=\s*(?P<value>.+?){FRAMES}", LineInterpreter._set),
         (r"idle\s+(?P<frames>\d+)(?:\s+frames?)?", LineInterpreter._idle),
         (PLAIN, LineInterpreter._plain),
+        (
+            rf"cloth\s+at\s+(?P<x>{LENGTH})\s+(?P<y>{LENGTH})"
+            rf"\s+from\s+(?P<fx>{LENGTH})\s+(?P<fy>{LENGTH})\s+(?P<fz>{LENGTH})"
+            rf"\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH})\s+(?P<dz>{LENGTH}){FRAMES}{STYLES}",
+            LineInterpreter._cloth,
+        ),
         (
             rf"(?:{KINDS})?(?P<on>{NAME})\s+by\s+(?P<dx>{LENGTH})\s+(?P<dy>{LENGTH})(?:\s+(?P<dz>{LENGTH}))?"
             rf"{FRAMES}{STYLES}",

@@ -19,6 +19,7 @@ class ClothSupports:
         clamped: mesh edges (k,) across which the slope stays; slopes: (k, 3) the derivative of the positions along the
             outward normal of each.
         mirrored: mesh edges (m,) on planes of symmetry; axes: (m,) the coordinate 0, 1 or 2 along each plane's normal.
+        hand: the node (1,) that a hand holds; (0,) where it holds none.
     """
 
     mask: np.ndarray
@@ -27,6 +28,7 @@ class ClothSupports:
     slopes: np.ndarray = field(default_factory=lambda: np.empty((0, 3)))
     mirrored: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int32))
     axes: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+    hand: np.ndarray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
 class ClothDirichlet(Dirichlet):

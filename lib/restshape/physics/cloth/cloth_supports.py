@@ -19,8 +19,13 @@ ALIKE = 1e-9
 """Places that differ by no more, over the size of the cloth, are the same."""
 
 
-def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothSupports:
+def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement, hand: np.ndarray | None = None) -> ClothSupports:
     """Where the scene's supports constrain the cloth.
+
+    Args:
+        scene: with the supports; mesh: of the cloth.
+        placement: of the cloth before it falls.
+        hand: the node (1,) that a hand holds; None: the one that is nearest to its point now.
 
     Raises:
         UserError: two of them clash, or one prescribes a slope or a plane of symmetry where there is no edge for it.
@@ -47,7 +52,8 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
             _prescribe(given, nodes, axis, places[nodes, axis], mesh, f"{scene.path}: {where}")
             mirrored.append(edges)
             axes.append(np.full(len(edges), axis, dtype=np.int32))
-    _hold(scene, mesh, given)
+    hand = nodes_of_hand(scene, mesh) if hand is None else hand
+    _hold(scene, mesh, given, hand)
     mask = (~np.isnan(given)).astype(np.uint8)
     clamped = np.unique(np.concatenate(clamped))
     return ClothSupports(
@@ -59,6 +65,7 @@ def supports_of(scene: Scene, mesh: Mesh, placement: InitialPlacement) -> ClothS
         ),
         mirrored=np.concatenate(mirrored),
         axes=np.concatenate(axes),
+        hand=hand,
     )
 
 
@@ -68,8 +75,8 @@ def nodes_of_hand(scene: Scene, mesh: Mesh) -> np.ndarray:
     return np.empty(0, dtype=np.int64) if hold is None else np.hypot(*(mesh.X - hold.at).T).argmin(keepdims=True)
 
 
-def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
-    """Prescribe the place of the node that is nearest to the point that a hand holds.
+def _hold(scene: Scene, mesh: Mesh, given: np.ndarray, hand: np.ndarray) -> None:
+    """Prescribe the place of the node (1,) that a hand holds.
 
     Raises:
         UserError: no cloth is there, or a support holds that node at another place.
@@ -78,7 +85,7 @@ def _hold(scene: Scene, mesh: Mesh, given: np.ndarray) -> None:
     if hold is None:
         return
     distance = np.hypot(*(mesh.X - hold.at).T)
-    node, place = int(nodes_of_hand(scene, mesh)[0]), f"{scene.path}: hold"
+    node, place = int(hand[0]), f"{scene.path}: hold"
     around = mesh.edge_nodes[(mesh.edge_nodes == node).any(axis=1)]
     if distance[node] > np.hypot(*(mesh.X[around[:, 0]] - mesh.X[around[:, 1]]).T).max(initial=0.0):
         at = f"({hold.at[0]:.6g}, {hold.at[1]:.6g}) m"

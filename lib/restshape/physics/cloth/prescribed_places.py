@@ -19,7 +19,7 @@ class PrescribedPlaces:
     """Puts what supports prescribe into unknowns of cloth, wherever the nodes of its mesh are.
 
     Places of nodes that one support holds are found at these nodes alone. Where two hold the same one, or a slope or a
-    plane of symmetry is given, all is as a solve has it.
+    plane of symmetry is given, all is as a solve has it; a hand keeps the node that it holds.
 
     Args:
         scene: of the supports.
@@ -40,7 +40,7 @@ class PrescribedPlaces:
         """
         mesh, numbers = self._mesh, self._problem.corner_number
         if self._constrained is None:
-            supports = supports_of(self._scene, mesh, self._placement)
+            supports = supports_of(self._scene, mesh, self._placement, self._problem.supports.hand)
             boundary = ClothDirichlet(supports, mesh, numbers, self._problem.n_nodes, self._problem.morley)
             return np.where(boundary.mask, boundary.values, values)
         found = values.copy()

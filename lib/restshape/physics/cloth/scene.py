@@ -60,8 +60,12 @@ class ClothArguments:
     forms: tuple[Body, ...] = ()
 
 
-def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
+def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh, hand: np.ndarray | None = None) -> ClothArguments:
     """What a scene says about its cloth on a mesh.
+
+    Args:
+        scene: with its plan; mesh: of the cloth.
+        hand: the node (1,) that a hand holds; None: the one that is nearest to its point now.
 
     Raises:
         UserError: a part has no material, supports clash, a slope or a plane of symmetry is on no edge.
@@ -72,7 +76,7 @@ def cloth_arguments(scene: Scene, plan: Plan, mesh: Mesh) -> ClothArguments:
         refuse_narrow(scene, contact.thickness)
     placement = InitialPlacement(scene)
     fabric = fabric_of(scene, plan, mesh)
-    supports, placed = supports_of(scene, mesh, placement), placement.scattered(mesh)
+    supports, placed = supports_of(scene, mesh, placement, hand), placement.scattered(mesh)
     forms = () if contact is None else forms_of(scene)
     bodies = [(kernel_body(body), body.friction) for body in forms]
     return ClothArguments(

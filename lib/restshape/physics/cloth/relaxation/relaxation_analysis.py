@@ -176,8 +176,12 @@ class RelaxationAnalysis(Timeless):
         return replace(state, x=x + state.problem.step_share(x, way) * way, rest=None, distance=None, guessed=True)
 
     def moved(self, state: RelaxationState) -> RelaxationState:
-        """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material."""
-        return moved_material(state, self._options(made(state.scene), False).arguments(made(state.mesh)))
+        """An equilibrium whose problem has taken in where the nodes of its mesh are now in the material.
+
+        A hand keeps the node that it holds, also where another one has come nearer to its point.
+        """
+        options = self._options(made(state.scene), False)
+        return moved_material(state, options.arguments(made(state.mesh), state.problem.supports.hand))
 
     def beside(self) -> RelaxationAnalysis:
         """Another analysis of the same scene, which starts from this state."""

@@ -77,9 +77,9 @@ class RelaxationOptions:
         """The farthest way of a node in one step [m]."""
         return PASSED * min((size_of(body) for body in self.bodies), default=np.inf)
 
-    def arguments(self, mesh: Mesh) -> ClothArguments:
-        """What the problem on a mesh is made from."""
-        return cloth_arguments(self.scene, self.plan, mesh)
+    def arguments(self, mesh: Mesh, hand: np.ndarray | None = None) -> ClothArguments:
+        """What the problem on a mesh is made from; with the node (1,) that a hand holds, if that is known."""
+        return cloth_arguments(self.scene, self.plan, mesh, hand)
 
     def make_solver(self, problem: ClothProblem, prefix: str = "drape_") -> EquilibriumSolver:
         """A solver of a problem, with a prefix of options in PETSc's database."""
