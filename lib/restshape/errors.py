@@ -1,5 +1,7 @@
 """Errors that a user can cause: each says what is wrong, where, and what to do."""
 
+from typing import Self
+
 
 def printable(text: str) -> str:
     """A text without control characters, which a terminal would obey; ends of lines and tabs stay."""
@@ -20,6 +22,24 @@ DIRECTIONS = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 """Characters that turn the direction of what follows."""
 
 
+class Refusal(str):
+    """Why an event was refused, in one line, of which `what` is wrong and `do` is what to do about it.
+
+    Args:
+        text: the whole of it, as tables hold it.
+        what: what is wrong; None: all of the text.
+        do: what to do about it.
+    """
+
+    what: str
+    do: str
+
+    def __new__(cls, text: str, what: str | None = None, do: str = "") -> Self:
+        refusal = super().__new__(cls, text)
+        refusal.what, refusal.do = text if what is None else what, do
+        return refusal
+
+
 class UserError(Exception):
     """Something in the user's input or surroundings that stops a command; exit code 2.
 
@@ -38,9 +58,10 @@ class UserError(Exception):
         return "\n".join([*lines, f"  try: {self.do}"] if self.do else lines)
 
     @property
-    def one_line(self) -> str:
+    def one_line(self) -> Refusal:
         """The message as a table holds it."""
-        return "; try: ".join(filter(None, (f"{self.where}: {self.what}" if self.where else self.what, self.do)))
+        what = f"{self.where}: {self.what}" if self.where else self.what
+        return Refusal("; try: ".join(filter(None, (what, self.do))), what, self.do)
 
 
 class ValueProblem(ValueError):

@@ -116,6 +116,8 @@ def test_a_refused_event_raises_with_its_frame_and_the_edit_goes_on(bracket):
         with pytest.raises(restshape.RefusedFrame, match="no entity named 'door'") as caught:
             sim.press("door")
         assert caught.value.frame.index == 1 and "frame 1, 'press' in line 2" in str(caught.value)
+        assert caught.value.what == "the shape has no entity named 'door'"
+        assert caught.value.do.startswith("use one of: a, b, c") and "\n  try: use one of: a" in str(caught.value)
         with sim.press("window") as hand:
             with pytest.raises(restshape.RefusedFrame):
                 hand.to(0.1, 5.0, frames=2)

@@ -8,7 +8,7 @@ from math import inf
 from types import TracebackType
 from typing import TYPE_CHECKING, Literal, Self
 
-from restshape.errors import UserError
+from restshape.errors import Refusal, UserError
 from restshape.interface.edits import Edits
 from restshape.interface.frame_loop import frame_loop
 from restshape.interface.hand import Hand
@@ -37,7 +37,9 @@ class RefusedFrame(UserError):
     def __init__(self, frame: ShownFrame) -> None:
         self.frame = frame
         place = f"frame {frame.index}, {frame.row['event']!r} in line {frame.row['line']} of the script"
-        super().__init__(frame.refused, place)
+        why = frame.row["refused"]
+        what, do = (why.what, why.do) if isinstance(why, Refusal) else (frame.refused, "")
+        super().__init__(what, place, do)
 
 
 class Simulation(Edits):

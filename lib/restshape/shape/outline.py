@@ -275,7 +275,7 @@ class Outline:
         known = [*besides, *self.layout.entities, *self.groups]
         near = get_close_matches(name, [one for one in known if one not in RESERVED or one[:2] == name[:2]], 1)
         some = ", ".join(known[:12]) + (", ..." if len(known) > 12 else "")
-        do = f"did you mean {near[0]!r}?" if near else some
+        do = f"did you mean {near[0]!r}?" if near else f"use one of: {some}"
         return UserError(f"the shape has no entity named {name!r}", where, do)
 
     def control_points(self, entity: Entity) -> Indices:

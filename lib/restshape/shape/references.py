@@ -91,4 +91,14 @@ def refuse_lost_names(scene: Scene, outline: Outline, former: Outline | None = N
     if lost:
         part, keys = next(iter(lost.items()))
         by = ", ".join(dict.fromkeys(keys))
-        raise outline.unknown(part, where=by) if former is None else UserError(f"{part} is needed by {by}")
+        if former is None:
+            raise outline.unknown(part, where=by)
+        raise UserError(f"{part} is needed by {by}", do=_without(list(dict.fromkeys(keys))))
+
+
+def _without(keys: list[str]) -> str:
+    """What to do so that keys of a scene need a part of its shape no more: an edit can set some, others it cannot."""
+    free = [f"{key}.on" for key in keys if key.startswith(("supports.", "loads."))]
+    fixed = [key for key in keys if not key.startswith(("supports.", "loads."))]
+    ways = [f"set {', '.join(free)} to another place first"] if free else []
+    return ", and ".join([*ways, f"name another place in {', '.join(fixed)} of the scene"] if fixed else ways)

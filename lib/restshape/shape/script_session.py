@@ -11,7 +11,7 @@ import numpy as np
 
 from restshape.application import Application
 from restshape.application import application as application_named
-from restshape.errors import UserError
+from restshape.errors import Refusal, UserError
 from restshape.scene.edit_script import Script
 from restshape.scene.event_line import Analyse, EventLine, Idle, Redo, Undo
 from restshape.scene.model import Scene
@@ -173,7 +173,7 @@ class ScriptSession(ABC, Generic[Edited]):
     def _refusal(self, why: str | UserError) -> Step:
         if isinstance(why, UserError):
             what = f"{why.where}: {why.what}" if why.where else why.what
-            why = f"{what} ({why.do})" if why.do else what
+            why = Refusal(f"{what} ({why.do})" if why.do else what, what, why.do)
         return Step("none", why, **self._grabbed())
 
     def _refused(self, frames: int, why: str | UserError) -> Iterator[Step]:
