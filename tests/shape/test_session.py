@@ -126,7 +126,10 @@ def test_edits_of_one_gesture_are_undone_at_once(tmp_path):
         ({"do": "rotate", "on": "window", "by": "180 deg", "about": [0, 0]}, "outside the outline"),
         ({"do": "arc", "on": "bottom", "bulge": -0.6}, "cross"),
         ({"do": "arc", "on": "top", "bulge": 0.1}, "spline"),
-        ({"do": "delete", "on": "d"}, r"left is needed by supports.left \(set supports.left.on to another place first\)"),
+        (
+            {"do": "delete", "on": "d"},
+            r"left is needed by supports.left \(set supports.left.on to another place first\)",
+        ),
         ({"do": "insert", "on": "window", "name": "q", "s": 0.5}, "not an edge"),
         ({"do": "insert", "on": "bottom", "name": "q", "at": [-1, 0]}, "end of edge"),
         ({"do": "insert", "on": "bottom", "name": "a", "s": 0.5}, "in use"),

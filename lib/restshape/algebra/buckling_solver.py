@@ -37,7 +37,8 @@ class BucklingSolver:
         stages: takes the time of factorisations and of iterations.
 
     Attributes:
-        reach: the tolerance, or what rounding leaves of it.
+        reach: the tolerance, or what rounding may leave of it.
+        left: the largest residual of the modes that were found last.
 
     Source: docs/theory/buckling.md.
     """
@@ -50,7 +51,7 @@ class BucklingSolver:
         self.history: list[Reals] = []
         self.unchecked = self.known = 0
         self.doubtful = False
-        self.reach = tolerance
+        self.reach, self.left = tolerance, 0.0
 
     def restart(self, modes: Reals | None) -> None:
         """Begin a new system with this rank's columns of modes (k, n) as guess, or with none."""
@@ -100,6 +101,7 @@ class BucklingSolver:
             found = self._cold_solve(count, end)
         within = lowest_below(found, end, count)
         self.known = len(within)
+        self.left = float(found.residuals[: self.known].max(initial=0.0))
         self.history = [found.modes, *self.history[: HISTORY - 1]] if len(within) else []
         report = self.report
         self.doubtful = report.missed_modes > 0

@@ -28,7 +28,7 @@ def row(state: BucklingState, modes_shown: int, solver: BucklingSolver) -> RowVa
     Args:
         state: of the frame.
         modes_shown: load factors that have a column.
-        solver: with its tolerance, and what rounding leaves of it.
+        solver: with its tolerance, and what residuals it has come to.
     """
     row: RowValues = {f"mu_{k}": state.load_factor(k) for k in range(1, modes_shown + 1)}
     count = len(state.modes.load_factors)
@@ -37,7 +37,7 @@ def row(state: BucklingState, modes_shown: int, solver: BucklingSolver) -> RowVa
     if not count and not state.predicted:
         reach = f"up to {state.most:.3g}, where the mean strain is 1" if np.isfinite(state.most) else "without a load"
         row["note"] = f"nothing buckles: no load factor {reach}"
-    elif solver.reach > solver.tolerance:
+    elif not state.predicted and solver.left > solver.tolerance:
         row["note"] = f"rounding keeps residuals of modes above a tolerance of {solver.tolerance:g}"
     return row
 
