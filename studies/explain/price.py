@@ -15,6 +15,7 @@ MESH = ("ms_relocate", "ms_map", "ms_flip", "ms_mesh")
 PARTS = ("edit", "mesh", "observation", "record", "solve")
 """What the time of a frame is made of; `solve` is all that is none of the others."""
 TWIN = "twin"
+OVERLAP = "not determined: what effects take adds up to more than a frame, for some call for what others do"
 ANOTHER_WAY = "not determined: without it another state is found, by a way of other length"
 BY_STEP = "by difference of a Newton step: without it another state is found"
 STEP_NOISE = 0.15
@@ -118,6 +119,7 @@ def prices(runs: Sequence[Sequence[Row]], tried: Variants, nonlinear: bool = Fal
     known, counted = ({name: pair for name, pair in of.items() if name not in stray} for of in (known, counted))
     noise = {name for name in known if 0.0 > shares[name] >= -spreads[name]}
     shares, _ = _shares(ms, {name: pair for name, pair in known.items() if name not in noise})
+    _level(shares, spreads)
     for name, share in stepped.items():
         # What other effects have, too, is theirs.
         shares[name] = min(share, max(shares[""], 0.0))
@@ -174,6 +176,14 @@ def _share(ms: list[np.ndarray], known: dict[str, tuple[int, int]], runs: list[i
         rest -= price
     named = dict(zip(PARTS, (rest / whole).tolist()))
     return shares | {"": named.pop("solve")} | named
+
+
+def _level(shares: dict[str, float], spreads: dict[str, float]) -> None:
+    """Take what the clock alone has put below 0 of what is observed, and of the rest, off the largest share."""
+    for name in ("observation", ""):
+        if -spreads.get(name, 0.0) <= shares[name] < 0.0:
+            largest = max(shares, key=shares.__getitem__)
+            shares[largest], shares[name] = shares[largest] + shares[name], 0.0
 
 
 def _of_steps(ms: list[np.ndarray], steps: list[int], more: int, less: int) -> float | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from restshape_studies.bench.job import Job, Outcome, run
 from restshape_studies.explain.calls import Row, chosen, keys
 from restshape_studies.explain.filled import of_kernels
-from restshape_studies.explain.price import BY_STEP, PARTS, Counts, Prices, prices, widest
+from restshape_studies.explain.price import BY_STEP, OVERLAP, PARTS, Counts, Prices, prices, widest
 from restshape_studies.explain.variants import REQUIRED, variants
 
 from restshape.algebra.choice import Choice
@@ -205,6 +205,7 @@ class Report:
         taken = {other: self._share_of(other, rest) for other in self.kept if other != core}
         if name == core:
             how = f"all that is left{', with ' + ', '.join(taken) if taken else ''}"
+            how = OVERLAP if self.prices.shares[""] < 0.0 else how
             kept = keys(rest.calls).difference(*(keys(counts.calls) for counts in taken.values()))
             entries = rest.entries - sum(counts.entries for counts in taken.values())
             counts = replace(rest, entries=entries, calls=chosen(rest.calls, kept))

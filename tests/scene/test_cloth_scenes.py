@@ -155,7 +155,8 @@ def test_what_follows_from_a_scene_of_cloth(tmp_path):
     bare = plan(cloth(tmp_path, PIN), COUTURE)
     assert [effect.name for effect in bare.derived if effect.on] == ["self_contact"]
     mirror = '[supports.mirror]\non = "left"\nsymmetry = "x"\n'
-    full = cloth(tmp_path, BALL, CONTACT, mirror, "[supports.up]\non = 'c'\nfix = { z = 0.1 }")
+    held = "[supports.up]\non = 'c'\nfix = { z = 0.1 }\n[supports.still]\non = 'b'\nfix = ['x', 'y']\n"
+    full = cloth(tmp_path, BALL, CONTACT, mirror, held)
     assert {effect.name for effect in plan(full, COUTURE).derived if effect.on} == {
         "friction",
         "self_contact",
@@ -164,7 +165,7 @@ def test_what_follows_from_a_scene_of_cloth(tmp_path):
     }
     smooth = without(full, COUTURE, ["friction", "moving_supports"])
     assert smooth.bodies["ball"].friction == 0 and smooth.supports["mirror"].symmetry == "x"
-    assert smooth.supports["up"].fix == {"z": 0.0}
+    assert smooth.supports["up"].fix == {"z": 0.0} and smooth.supports["still"].fix == {"x": 0.0, "y": 0.0}
 
 
 def test_bodies_without_contact_are_warned_of(tmp_path):

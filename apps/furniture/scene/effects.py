@@ -14,7 +14,8 @@ from restshape.scene.source import suggestion
 from restshape.scene.space_values import number
 from restshape.scene.values import Number, Strict, Whole, number_of
 
-OF_EACH_CASE = ("bending", "ranges", "suggestions")
+SEARCHES = ("ranges", "suggestions")
+OF_EACH_CASE = ("bending", *SEARCHES)
 """What looks at every case of loads. Without any load a piece is tested all the same: none of them drives it alone."""
 
 KEPT_OF_ALL, KEPT_OF_ONE = ("symmetry", "level", "height"), ("level", "height", "place")
@@ -174,7 +175,7 @@ EFFECTS = {
     "nails": Effect(Nails, "joints of planks, and the strength of what holds them", required=True),
     "gravity": Effect(Gravity, "weight of planks and of what is put on them", repeats=("push", *OF_EACH_CASE)),
     "push": Effect(Push, "sideways forces, a case each", repeats=OF_EACH_CASE),
-    "bending": Effect(Bending, "deflection of planks by beam theory", quantities=("deflection",)),
+    "bending": Effect(Bending, "deflection of planks by beam theory", quantities=("deflection",), repeats=SEARCHES),
     "guidance": Effect(Guide, "valid ranges and suggestions", required=True),
 }
 DERIVED = {

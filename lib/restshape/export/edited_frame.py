@@ -139,7 +139,7 @@ def refuse_shapeless(scene: Scene) -> None:
         UserError: it is one.
     """
     if not application_of(scene).editing.has_mesh:
-        what = f"a scene of {scene.app!r} has no outline, so that there is no drawing or scene of one"
+        what = f"a scene of {scene.app!r} has no outline that could be drawn"
         raise UserError(what, str(scene.path), "export it as toml, or a recording of it as stl, vtu or csv")
 
 

@@ -31,8 +31,9 @@ def _moved(scene: Scene) -> list[str]:
 
 
 def _at_zero(raw: Table, _: On) -> Table:
+    # A list of directions is at 0 already.
     supports = {
-        name: {**support, "fix": dict.fromkeys(table_in(support, "fix"), 0.0)} if "fix" in support else support
+        name: {**support, "fix": dict.fromkeys(fixed, 0.0)} if (fixed := table_in(support, "fix")) else support
         for name, support in tables_in(raw, "supports").items()
     }
     return {**raw, "supports": supports}

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from restshape_studies.explain.filled import of_kernels
-from restshape_studies.explain.price import prices
+from restshape_studies.commands.explain import _line
+from restshape_studies.explain.price import OVERLAP, prices
 from restshape_studies.explain.variants import ALONE, Difference, Variants, variants
 from small_scenes import plate, write_scene
 
@@ -80,6 +81,31 @@ def test_shares_are_what_was_put_in_and_sum_to_one(number, slow, error):
     }.items():
         assert found.shares[name] == pytest.approx(ms / TOTAL, abs=max(error, 2.0 * found.spreads[name]))
     assert found.ms == pytest.approx(TOTAL, rel=10 * error)
+
+
+def test_what_effects_take_from_each_other_leaves_no_negative_rest():
+    """Without a the work of b is not done either, nor that of a without b: both have it in their price."""
+    rows = runs(1, 0.0)[0]
+    for row in rows:
+        row["ms"] -= 1.2 * SOLVE * (row["variant"] in (1, 2))
+    assert prices([rows], TRIED).shares[""] < -0.1
+    core = {"effect": "core", "kind": "named", "on": True, "why": "always", "calls": 3, "solver": {}}
+    numbers = {"unknowns": 9, "elements": 9, "entries": 9, "share": -0.5, "spread": 0.1}
+    assert _line({**core, **numbers, "how": OVERLAP})[-2:] == ["-", f"always ({OVERLAP})"]
+    assert _line({**core, **numbers, "how": "all that is left"})[-2] == "-50.0 ± 10.0 %"
+
+
+def test_a_rest_that_is_below_nothing_by_the_clock_alone_is_none():
+    rows = runs(2, 0.0)
+    for row in rows[0]:
+        # In one of two runs less is observed without a, and without b: together more than there is.
+        less = 0.75 * OBSERVED * (row["variant"] in (1, 2))
+        row["ms"], row["ms_observe"] = row["ms"] - less, row["ms_observe"] - less
+    found = prices(rows, TRIED)
+    assert found.shares["observation"] == 0.0 and found.spreads["observation"] > 0.0
+    assert found.shares[""] == pytest.approx((SOLVE - 0.5 * OBSERVED) / TOTAL) and sum(
+        found.shares.values()
+    ) == pytest.approx(1.0, abs=1e-12)
 
 
 def test_counts_are_differences_and_the_rest_is_always_there():
