@@ -108,11 +108,8 @@ def _line(row: dict[str, Any]) -> list[str]:
     core = "solver" in row
     has_counts = has_share or core or any(row[key] for key in COUNTED)
     counts = [str(row[key]) for key in COUNTED[:-1]] if has_counts and not part else ["-"] * 3
-    share = (
-        f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %"
-        if has_share or core and row["how"] != OVERLAP
-        else "-"
-    )
+    known = has_share or (core and row["how"] != OVERLAP)
+    share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if known else "-"
     if row["how"].startswith("by difference of"):
         return [name, "on", *["-"] * 4, share, f"{row['why']} ({row['how']})"]
     why = row["why"] if has_share else f"{row['why']} ({row['how']})"

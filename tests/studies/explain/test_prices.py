@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from restshape_studies.explain.filled import of_kernels
 from restshape_studies.commands.explain import _line
+from restshape_studies.explain.filled import of_kernels
 from restshape_studies.explain.price import OVERLAP, prices
 from restshape_studies.explain.variants import ALONE, Difference, Variants, variants
 from small_scenes import plate, write_scene
