@@ -4,6 +4,7 @@ What a slow spell of the machine does to a frame, it does to all of its kind; an
 what other programs take of it means nothing. So their differences mean something.
 """
 
+import gc
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -16,6 +17,7 @@ from restshape_studies.explain.filled import Watch, stored, watched_operators
 from restshape_studies.explain.without import without
 
 from restshape.algebra import stages
+from restshape.analysis.row_values import whole
 from restshape.errors import UserError
 from restshape.interface.run import Run
 from restshape.mesh import moving
@@ -81,6 +83,8 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
         # Whoever comes first finds the caches cold: they take turns.
         turns = range(len(left_out)) if step == 0 else sorted(running, key=lambda k: (k + step) % len(left_out))
         for k in turns:
+            if step == 0:
+                gc.collect()
             count, entries = stored()[0], watch.entries()
             try:
                 if step == 0:
@@ -95,6 +99,9 @@ def _play(asked: Request, left_out: Sequence[Sequence[str]], frames: int | None,
             if row is None:
                 del running[k]
                 continue
+            if step == 0 or whole(row, "level") > 2:
+                # What a replay lets go of is to be missed in its own turn, not in that of another one.
+                gc.collect()
             matrices[k] += stored()[0] - count
             filled[k].update(watch.entries())
             filled[k].subtract(entries)
