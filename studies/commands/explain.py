@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from restshape_studies.bench.job import note_words
-from restshape_studies.explain.price import OVERLAP
 
 from restshape.application import application_of
 from restshape.cli.options import add_scene, print_table, read_scene, write_json
@@ -108,7 +107,7 @@ def _line(row: dict[str, Any]) -> list[str]:
     core = "solver" in row
     has_counts = has_share or core or any(row[key] for key in COUNTED)
     counts = [str(row[key]) for key in COUNTED[:-1]] if has_counts and not part else ["-"] * 3
-    known = has_share or (core and row["how"] != OVERLAP)
+    known = has_share or (core and not row["how"].startswith("not determined"))
     share = f"{100 * row['share']:.1f} ± {100 * row['spread']:.1f} %" if known else "-"
     if row["how"].startswith("by difference of"):
         return [name, "on", *["-"] * 4, share, f"{row['why']} ({row['how']})"]
