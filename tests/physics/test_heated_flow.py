@@ -28,6 +28,29 @@ DRAG = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.6, 0.55), 8))
 FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.7, 0.6), 3))
 MOVED = drag("c", (1.0, 1.0), across((1.0, 1.0), (1.2, 1.1), 5))
 COARSE = "[mesh]\nsize = 0.16\n"
+WARM_CHANNEL = (
+    HEAD
+    + block(0.1, 0.01)
+    + """
+[parameters]
+u = 0.02
+[fluid]
+name = "water"
+reference = 293.15
+[boundary]
+inlet = { on = "left", velocity = ["u*6*y*(0.01 - y)/1e-4", 0], temperature = 293.15 }
+outlet = { on = "right", outflow = true }
+walls = { on = ["top", "bottom"], wall = true, temperature = 303.15 }
+[effects]
+flow = {}
+convection = {}
+heat = {}
+[mesh]
+size = 0.002
+[quantities]
+wall = { heat_flow = true, at = "top" }
+"""
+)
 
 
 @pytest.mark.parametrize("script", [DRAG, FAR])
@@ -147,6 +170,36 @@ def test_a_check_warns_where_heated_walls_have_turbulent_layers(tmp_path):
     scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE), ["parameters.Ra=1e10"])
     *_, seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]
     assert "at a Rayleigh number of 1e+10 layers at walls are turbulent" in seen.warnings[0]
+
+
+def layers_warned_of(folder, text, *overrides):
+    """The warnings of a scene that are of layers at walls."""
+    scene = load_scene(write_scene(folder, text), overrides)
+    *_, seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]
+    return [warning for warning in seen.warnings if "layer at" in warning]
+
+
+def test_a_check_warns_of_cells_that_do_not_show_the_layers_at_heated_walls(tmp_path):
+    """At Ra = 1e7 tenths of a square of water have a Nusselt number of 28 in place of 17."""
+    text, given = CAVITY + STEADY + BUOYANT + "[mesh]\nsize = 0.1\n", ("parameters.Ra=1e7", "parameters.Pr=7")
+    assert solved(tmp_path, text, *given).row["q_hot"] > 1.3 * 17.4
+    (warning,) = layers_warned_of(tmp_path, text, *given)
+    assert "is about 61 mm thick, and cells there are 100 mm" in warning and "heat may be off" in warning
+    assert layers_warned_of(tmp_path, text, *given, "mesh.size=0.04") == []
+    assert layers_warned_of(tmp_path, text, *given, 'mesh.near={left="4 cm",right="4 cm"}') == []
+
+
+def test_a_check_warns_of_cells_that_do_not_show_the_layers_below_a_stream(tmp_path):
+    """Water of 20 mm/s in a channel whose walls are warm over 10 cm: with cells of 2 mm it takes up a fifth too much."""
+    text = WARM_CHANNEL
+    (warning,) = layers_warned_of(tmp_path, text)
+    assert "about 1.3 mm thick, and cells there are 2 mm" in warning
+    found = [solved(tmp_path, text, f"mesh.size={size}").row["q_wall"] for size in (2e-3, 5e-4)]
+    assert found[0] / found[1] > 1.15
+    assert layers_warned_of(tmp_path, text, "mesh.size=1e-3") == []
+    # Ten times as slow, it is warm farther in; and where all is as warm, there are no layers.
+    assert layers_warned_of(tmp_path, text, "parameters.u=2e-3") == []
+    assert layers_warned_of(tmp_path, text.replace("303.15", "293.15")) == []
 
 
 def test_a_check_says_rayleighs_number(tmp_path):

@@ -1,11 +1,12 @@
-"""What is seen of heat in a scene of a fluid with its outline: Rayleigh and Prandtl numbers, jumps of temperature."""
+"""What is seen of heat in a scene of a fluid with its outline: Rayleigh and Prandtl numbers, jumps of temperature, layers at walls."""
 
 import numpy as np
 
 from restshape.physics.heat.temperature_jumps import edge_temperatures, temperature_jumps
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import given_temperatures
-from restshape.physics.heated_flow.temperature_differences import span
+from restshape.physics.heated_flow.temperature_differences import differences, span
+from restshape.physics.heated_flow.wall_layers import buoyant_layer, forced_layer, hidden_layers
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline
@@ -15,10 +16,11 @@ TURBULENT = 1e9
 
 
 def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
-    """Warnings of temperatures that jump; with buoyancy the Rayleigh number of the length along gravity, and Pr."""
+    """Warnings of temperatures that jump, and of layers that cells do not show; with buoyancy numbers of Rayleigh, Pr."""
     on, given = frozenset(scene.effects), given_temperatures(scene)
     jumps = temperature_jumps(scene, outline, given) if "heat" in on else ()
-    still = Inspection(warnings=jumps)
+    forced = forced_layer(scene, outline) if "flow" in on and differences(scene, on) else np.inf
+    still = Inspection(warnings=(*jumps, *hidden_layers(scene, outline, forced)))
     if "buoyancy" not in on:
         return still
     g, fluid = np.array(scene.effects["gravity"]["g"], dtype=float), scene.fluid
@@ -31,11 +33,13 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
     places = np.concatenate([outline.polyline(edge) for edge in range(len(outline.edges))])
     capacity, conductivity = heat_properties(scene)
     viscosity, diffusivity = fluid.mu / fluid.rho, conductivity / capacity
-    rayleigh = size * fluid.expansion * (high - low) * float(np.ptp(places @ g / size)) ** 3 / (viscosity * diffusivity)
+    height = float(np.ptp(places @ g / size))
+    rayleigh = size * fluid.expansion * (high - low) * height**3 / (viscosity * diffusivity)
     rows = [
         ("Rayleigh number", f"{rayleigh:.3g}, of the length along gravity and the largest difference given"),
         ("Prandtl number", f"{viscosity / diffusivity:.3g}"),
     ]
     what = f"at a Rayleigh number of {rayleigh:.3g} layers at walls are turbulent, for which there is no model"
     doubts = (f"{what}: cells would have to show the eddies",) if rayleigh > TURBULENT else ()
-    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, (*jumps, *doubts))
+    layers = hidden_layers(scene, outline, min(forced, buoyant_layer(height, rayleigh)))
+    return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, (*jumps, *doubts, *layers))
