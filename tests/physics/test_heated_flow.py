@@ -190,7 +190,7 @@ def test_a_check_warns_of_cells_that_do_not_show_the_layers_at_heated_walls(tmp_
 
 
 def test_a_check_warns_of_cells_that_do_not_show_the_layers_below_a_stream(tmp_path):
-    """Water of 20 mm/s in a channel whose walls are warm over 10 cm: with cells of 2 mm it takes up a fifth too much."""
+    """Water of 20 mm/s between walls that are warm over 10 cm: with cells of 2 mm it takes up a fifth too much."""
     text = WARM_CHANNEL
     (warning,) = layers_warned_of(tmp_path, text)
     assert "about 1.3 mm thick, and cells there are 2 mm" in warning

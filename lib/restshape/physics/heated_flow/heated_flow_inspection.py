@@ -1,4 +1,4 @@
-"""What is seen of heat in a scene of a fluid with its outline: Rayleigh and Prandtl numbers, jumps of temperature, layers at walls."""
+"""What is seen of heat in a scene of a fluid with its outline: its numbers, jumps of temperature, layers at walls."""
 
 import numpy as np
 
@@ -16,7 +16,7 @@ TURBULENT = 1e9
 
 
 def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
-    """Warnings of temperatures that jump, and of layers that cells do not show; with buoyancy numbers of Rayleigh, Pr."""
+    """Warnings of temperatures that jump and of layers that cells do not show; with buoyancy Ra and Pr."""
     on, given = frozenset(scene.effects), given_temperatures(scene)
     jumps = temperature_jumps(scene, outline, given) if "heat" in on else ()
     forced = forced_layer(scene, outline) if "flow" in on and differences(scene, on) else np.inf

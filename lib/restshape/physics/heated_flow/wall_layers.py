@@ -13,9 +13,10 @@ SHOWN = 0.8
 
 
 def buoyant_layer(height: float, rayleigh: float) -> float:
-    """The thickness [m] of the layer at a wall of this height [m], its heat by conduction: height over Nusselt's number.
+    """The thickness [m] of the layer at a wall of this height [m], over which its heat is conducted.
 
-    Of a square heated from one side that is 0.29 Ra^(1/4): G. de Vahl Davis, Int. J. Numer. Meth. Fluids 3 (1983) 249.
+    It is the height over the Nusselt number, 0.29 Ra^(1/4) for a square that is heated from one side: G. de Vahl Davis,
+    Int. J. Numer. Meth. Fluids 3 (1983) 249.
     """
     return height / (0.29 * rayleigh**0.25)
 
