@@ -1,7 +1,7 @@
 """Steady flows with heat agree with cold solves where temperatures answer strongly: water at large Peclet numbers."""
 
 from restshape_studies.stability.scenery import make_replay, write_scene, write_script
-from restshape_verification.flow.heated_scenes import HEAD
+from restshape_verification.flow.heated_scenes import HEAD, SQUARE
 
 from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch
 from restshape.replay.parity import Parity
@@ -78,3 +78,35 @@ def test_residuals_alone_do_not_show_it(tmp_path, monkeypatch):
     assert not check.summary()["holds"]
     added = [more - less for more, less in zip(steps, fewer)]
     assert set(added) == {0, 1} and added[0] == 0
+
+
+HEATED_FROM_BELOW = f"""{HEAD}{SQUARE}
+[fluid]
+rho = 1
+mu = 0.71
+diffusivity = 1
+expansion = {2000 * 0.71}
+reference = "300 K"
+[boundary]
+hot = {{ on = "bottom", wall = true, temperature = "300.5 K" }}
+cold = {{ on = "top", wall = true, temperature = "299.5 K" }}
+[effects]
+flow = {{}}
+convection = {{}}
+heat = {{ coupling = "split" }}
+buoyancy = {{}}
+gravity = {{ g = [0, -1] }}
+[mesh]
+size = 0.1
+"""
+
+
+def test_turns_that_bring_little_are_ended_by_both_parts_together(tmp_path):
+    """Near the Rayleigh number from which a fluid rolls turns gain a tenth each: residuals are small long before."""
+    moved = [{"do": "press", "on": "right"}, {"do": "drag", "to": [1.1, 0.5], "frames": 2}, {"do": "release"}]
+    replay = make_replay(write_scene(tmp_path, HEATED_FROM_BELOW), write_script(tmp_path, moved))
+    check = Parity(replay)
+    for row in replay.frames():
+        check()
+        assert not row["refused"]
+    assert check.summary()["holds"] and check.solution < 2e-6

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -74,7 +75,12 @@ class Switching(NonlinearSteadyAnalysis):
             return super()._search(equations)  # type: ignore[return-value]
         if self._parts is None:
             self._parts = SplitParts(self.state.scene, self.state.plan, self.context)
-        return SplitSearch(problem, equations, self.state.system.newton, lambda: self.solver.aim, self._parts)
+        newton, (tolerance, missing) = self.state.system.newton, self._accuracy(problem)
+        return SplitSearch(problem, equations, newton, lambda: self.solver.aim, tolerance, missing, self._parts)
+
+    def _accuracy(self, _: HeatedFlow) -> tuple[float, Callable[[np.ndarray], np.ndarray | None]]:
+        """What fields may lack, over their ranges, and what finds how much it is; in time residuals say it."""
+        return np.inf, lambda _: None
 
     def compare_cold(self) -> Comparison:
         """The state beside a cold solve: velocity, pressure and temperature each by its own range."""
@@ -122,8 +128,10 @@ class SteadyHeatedFlow(Switching, SteadyFlowAnalysis):
         found, problem = super()._search(equations), equations.problem
         if isinstance(found, SplitSearch) or not isinstance(problem, HeatedFlow):
             return found
-        newton, tolerance = self.state.system.newton, self.solver.tolerance
-        return HeatedFlowSearch(problem, equations, newton, self._goal, tolerance, partial(self._lacking, problem))
+        return HeatedFlowSearch(problem, equations, self.state.system.newton, self._goal, *self._accuracy(problem))
+
+    def _accuracy(self, problem: HeatedFlow) -> tuple[float, Callable[[np.ndarray], np.ndarray | None]]:
+        return self.solver.tolerance, partial(self._lacking, problem)
 
 
 class HeatedFlowInTime(Switching, FlowInTimeAnalysis):

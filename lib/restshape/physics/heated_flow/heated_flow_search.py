@@ -54,12 +54,16 @@ class HeatedFlowSearch(FlowSearch):
                 break
             self._aim = SHARE * outcome.norm / (beyond * self.scale)
             nearer = x.copy()
-            more = self._solve(nearer)
+            more = self._together(nearer)
             if not more.converged:
                 # Rounding may be in the way: the flow is within the tolerance of residuals.
                 break
             outcome, x = more.after(outcome), nearer
         return outcome, x
+
+    def _together(self, x: np.ndarray) -> Outcome:
+        """The flow and its heat in one system from x (n, 4), which is changed."""
+        return super()._solve(x)
 
     def _lacking(self, x: np.ndarray) -> float:
         """About how far the worst field of x (n, 4) is from the flow, over its range; 0 where that is not known."""

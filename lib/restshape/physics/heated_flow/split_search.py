@@ -14,8 +14,8 @@ from restshape.analysis.analysis import Context
 from restshape.analysis.nonlinear import NonlinearSystem
 from restshape.analysis.residual_equations import ResidualEquations
 from restshape.fem.problem import SteadyProblem
-from restshape.physics.flow.flow_search import FlowSearch
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
+from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch
 from restshape.physics.heated_flow.split_problems import HeatInFlow, LiftedFlow
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
@@ -23,7 +23,11 @@ from restshape.scene.plan import Plan
 TURNS = 60
 """Of both parts, after which they are believed not to agree."""
 SHARE = 0.5
-"""Part of the residual that each of both may leave: together they leave less than all of it."""
+"""Part of the residual that each of both may leave: together they leave less than all of it. Of the tolerance, what
+steady fields may lack."""
+LITTLE = "turns of flow and heat bring little"
+SLOWEST = 0.99
+"""Ratio of the changes of two turns above which that of turns further on is not taken."""
 
 
 @dataclass
@@ -96,8 +100,8 @@ class SplitParts:
         )
 
 
-class SplitSearch(FlowSearch):
-    """Finds a flow with heat by turns; arguments as of `FlowSearch`, and both parts.
+class SplitSearch(HeatedFlowSearch):
+    """Finds a flow with heat by turns; arguments as of `HeatedFlowSearch`, and both parts.
 
     Source: docs/theory/flow.md.
     """
@@ -108,10 +112,13 @@ class SplitSearch(FlowSearch):
         equations: ResidualEquations,
         newton: Newton,
         goal: Callable[[], float],
+        tolerance: float,
+        missing: Callable[[np.ndarray], np.ndarray | None],
         parts: SplitParts,
     ) -> None:
-        super().__init__(problem, equations, newton, goal)
+        super().__init__(problem, equations, newton, goal, tolerance, missing)
         self.parts = parts
+        self._changes: list[float] = []
 
     def _solve(self, x: np.ndarray, tolerance: float = 0.0) -> Outcome:
         """By turns from x (n, 4), which is changed; both parts together where these do not agree."""
@@ -119,16 +126,20 @@ class SplitSearch(FlowSearch):
         outcome = self._by_turns(x, tolerance)
         if outcome.converged:
             return outcome
-        x[:] = start
+        if outcome.why == LITTLE:
+            self._aim = SHARE * outcome.norm * self._tolerance / (self._to_come() * self.scale)
+        else:
+            x[:] = start
         return super()._solve(x, tolerance).after(outcome)
 
     def _by_turns(self, x: np.ndarray, tolerance: float) -> Outcome:
         problem, total = self.problem, Outcome(True, 0, 0, False, True)
         problem.boundary.apply(x)
+        self._changes = []
         flow, heat = self.parts.of(problem)
         for _ in range(TURNS):
             self.scale = problem.force_scale(x)
-            goal = max(self.goal(), tolerance) * self.scale
+            goal, start = max(self.goal(), tolerance) * self.scale, x.copy()
             flow.problem.temperature = x[:, 3:].copy()
             if not problem.drawing_in and problem.draws_in(x):
                 self._change(drawing_in=True)
@@ -140,12 +151,37 @@ class SplitSearch(FlowSearch):
             if problem.step is None and other.newton:
                 # A steady temperature answers so strongly to the flow that turns of full length swing.
                 x[:, 3:] += (1.0 - problem.relaxation) * (before - x[:, 3:])
-            settled = total.newton > 0 and not one.newton and not other.newton
             norm = float(np.hypot(one.norm, other.norm))
             total = replace(other.after(one).after(total), norm=norm)
-            if not total.converged or settled or not (one.newton or other.newton):
+            if not total.converged:
+                return total
+            if one.newton or other.newton:
+                self._changes.append(self._changed(start, x))
+            elif problem.step is None and self._to_come() > self._tolerance:
+                # Turns that bring little leave more than their residual shows.
+                return replace(total, converged=False, why=LITTLE)
+            else:
                 return total
         return replace(total, converged=False, why="flow and heat do not agree by turns")
+
+    def _changed(self, before: np.ndarray, x: np.ndarray) -> float:
+        """How far the worst field of x (n, 4) is from what it was before, over its range."""
+        worst, start = 0.0, 0
+        for columns, usual in self.problem.usual(x):
+            own = slice(start, start + columns)
+            worst = max(worst, float(np.abs(x[:, own] - before[:, own]).max()) / max(float(np.ptp(x[:, own])), usual))
+            start += columns
+        return worst
+
+    def _to_come(self) -> float:
+        """About how far turns that follow would change the worst field, over its range, by what the last ones have.
+
+        With a ratio q of the last change d to the one before, those to come add up to d q/(1 - q).
+        """
+        if len(self._changes) < 2 or not self._changes[-2]:
+            return 0.0
+        ratio = min(self._changes[-1] / self._changes[-2], SLOWEST)
+        return self._changes[-1] * ratio / (1.0 - ratio)
 
     def _turn(self, part: Part, x: np.ndarray, columns: slice, goal: float) -> Outcome:
         """The solution of one part in its columns of x (n, 4), which are changed."""
