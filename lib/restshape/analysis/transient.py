@@ -229,6 +229,11 @@ class TransientAnalysis:
         return self.state.now.time
 
     @property
+    def inertia(self) -> bool:
+        """Whether it is of second order in time, so that there is an energy of motion."""
+        return self.state.integration.scheme.order == 2
+
+    @property
     def body(self) -> SemiDiscrete:
         """What moves."""
         return self.state.body

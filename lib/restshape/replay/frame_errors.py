@@ -15,6 +15,7 @@ from restshape.replay.estimated_frames import NOTHING, WantedErrors, estimated
 from restshape.replay.linear_theory import LinearTheory
 from restshape.replay.mesh_jumps import MeshJumps
 from restshape.replay.singular_quantities import SingularQuantities
+from restshape.replay.sudden_edits import SuddenEdits
 from restshape.replay.uncertain_limits import UncertainLimits
 from restshape.replay.unsolved import note_unsolved
 from restshape.scene.quantity import CORE
@@ -57,7 +58,7 @@ class FrameErrors:
         self._measures_predicted = parts.prediction is None or parts.prediction.measured
         self._known: tuple[object, dict[str, float]] = (None, {})
         self._measured: tuple[object, float] = (None, nan)
-        self.linear_theory = LinearTheory(parts.analysis)
+        self.linear_theory, self._sudden_edits = LinearTheory(parts.analysis), SuddenEdits(parts.analysis)
         # Kept from session to session, with all that it has found of the mesh.
         self._estimator = parts.analysis.quantity_errors
         self.follow(parts.session, request)
@@ -105,6 +106,7 @@ class FrameErrors:
         row.update(self._distances(edit, row, wanted))
         row.update(self.singular(edit, row))
         self.linear_theory.note(row)
+        self._sudden_edits.note(edit, row)
         row.update(self.quantity_errors(row, wanted, self.analysis.state if self._estimator else None))
         # Jumps that a scene asks for are part of the answer.
         row.update(self.jumps(edit, row, wanted.solves or bool(wanted.answer and edit.scene.solve.jumps)))
