@@ -206,6 +206,7 @@ REGIONS = """
 [material.soft]
 E = "1 GPa"
 nu = 0.3
+thickness = "10 mm"
 region = "disc"
 
 [shape.regions.disc]

@@ -195,12 +195,16 @@ def test_materials_of_regions(scene_file):
     text = scene_file.read_text().replace(
         "[material.steel]",
         "[shape.regions]\npatch = { circle = { center = [1.5, 0.5], radius = 0.1 } }\n"
-        '[material.brass]\nE = "100 GPa"\nnu = 0.34\nregion = "patch"\n[material.steel]',
+        '[material.brass]\nE = "100 GPa"\nnu = 0.34\nthickness = 0.01\nregion = "patch"\n[material.steel]',
     )
     scene_file.write_text(text)
     assert load_scene(scene_file).material["brass"].region == ["patch"]
     scene_file.write_text(text.replace('region = "patch"', 'region = ["patch", "patch"]'))
     with pytest.raises(UserError, match="two materials"):
+        load_scene(scene_file)
+    # Left out beside another material's it would be 1 m: a hundred times as stiff.
+    scene_file.write_text(text.replace("thickness = 0.01\n", "", 1))
+    with pytest.raises(UserError, match="brass.*: its thickness is left out, which is 1 m, and material.steel has one"):
         load_scene(scene_file)
 
 
@@ -321,5 +325,5 @@ def test_a_group_of_regions_has_a_material(scene_file):
     groups = 'groups = { sides = ["left", "right"], pads = ["patch"] }'
     text = scene_file.read_text().replace('groups = { sides = ["left", "right"] }', groups)
     text += "[shape.regions]\npatch = { circle = { center = [1.5, 0.5], radius = 0.1 } }\n"
-    scene_file.write_text(f'{text}[material.pad]\nE = 1e11\nnu = 0.3\nregion = "pads"\n')
+    scene_file.write_text(f'{text}[material.pad]\nE = 1e11\nnu = 0.3\nthickness = 0.01\nregion = "pads"\n')
     assert load_scene(scene_file).material["pad"].region == ["pads"]

@@ -57,6 +57,7 @@ def check_shaped(scene: Scene, application: Application, source: Source) -> None
     check_parameters(scene, application, source)
     if materials:
         _check_materials(scene, source)
+        _refuse_mixed_thickness(scene, source)
     _check_references(scene, source)
     _check_formulas(scene, source)
     _check_mesh(scene, application, source)
@@ -149,6 +150,18 @@ def check_parameters(scene: Scene, _: Application, source: Source) -> None:
     for name in scene.parameters:
         if name in (*COORDINATES, *CONSTANTS, *FUNCTIONS):
             raise source.error(("parameters", name), f"{name!r} has a meaning in formulas already", "rename it")
+
+
+def _refuse_mixed_thickness(scene: Scene, source: Source) -> None:
+    """Refuses a thickness that one material leaves out, and another one has: it would be 1 m.
+
+    Recordings of scenes from before this was refused are still read.
+    """
+    given = [name for name, material in scene.material.items() if "thickness" in material.model_fields_set]
+    for name, material in scene.material.items():
+        if given and name not in given and "thickness" in type(material).model_fields and not source.recorded:
+            what = f"its thickness is left out, which is 1 m, and material.{given[0]} has one"
+            raise source.error(("material", name), what, 'give both one, such as thickness = "8 mm"')
 
 
 def _check_materials(scene: Scene, source: Source) -> None:
