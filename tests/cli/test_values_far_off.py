@@ -48,6 +48,15 @@ def test_a_body_that_nothing_loads(tmp_path, command, more, says):
     assert command("replay", scene).stderr.count("all answers are 0") == says
 
 
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [("", True), (PULL, False), ("[effects.ground]\nfrequency = 1\nacceleration = 1\n", False)],
+)
+def test_a_body_that_nothing_sets_in_motion(tmp_path, command, more, says):
+    scene = write_scene(tmp_path, head("vibration") + BODY + MESH + "[effects.dynamics]\n" + more)
+    assert any("nothing moves until an edit sets one" in line for line in warnings_of(command("check", scene))) == says
+
+
 def test_a_body_whose_support_moves_is_loaded(tmp_path, command):
     scene = write_scene(tmp_path, head("solid") + BODY.replace("y = 0 }", "y = 0.001 }") + MESH)
     assert warnings_of(command("check", scene)) == []

@@ -204,7 +204,9 @@ def test_materials_of_regions(scene_file):
         load_scene(scene_file)
     # Left out beside another material's it would be 1 m: a hundred times as stiff.
     scene_file.write_text(text.replace("thickness = 0.01\n", "", 1))
-    with pytest.raises(UserError, match="brass.*: its thickness is left out, which is 1 m, and material.steel has one"):
+    with pytest.raises(
+        UserError, match=r"brass .*: its thickness is left out, which is 1 m, and material\.steel has one"
+    ):
         load_scene(scene_file)
 
 

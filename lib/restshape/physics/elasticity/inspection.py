@@ -36,6 +36,8 @@ STEPS, LEAST_STEPS = 20, 10
 """Time steps a period below which a motion is off by more than 0.8 % in frequency, (w dt)^2 / 12, and not resolved."""
 STATIC = {"solid", "large_deformation"}
 """Effects of bodies that nothing loads or moves but `[loads]` and `[supports]`."""
+DRIVING = {"gravity", "ground"}
+"""Effects that load a body, or set it in motion."""
 GRID = 40
 """Places in each direction at which a thickness that varies is averaged."""
 
@@ -50,13 +52,15 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
 
 
 def _unloaded(scene: Scene) -> Iterator[str]:
-    """That nothing loads a static body; what buckles or moves has its own words."""
+    """That nothing loads a static body, or sets one in motion; what buckles has its own words."""
     prescribed = [value for support in scene.supports.values() for value in support.fix.values()]
-    if scene.effects.keys() <= STATIC and not scene.loads and all(value == 0 for value in prescribed):
-        yield (
-            "loads: there is none, and no gravity and no prescribed displacement: all answers are 0; "
-            "add [loads.NAME] or [effects.gravity]"
-        )
+    if scene.loads or any(value != 0 for value in prescribed) or scene.effects.keys() & DRIVING:
+        return
+    nothing = "loads: there is none, and no gravity and no prescribed displacement"
+    if scene.effects.keys() <= STATIC:
+        yield f"{nothing}: all answers are 0 until an edit sets one; add [loads.NAME] or [effects.gravity]"
+    elif "dynamics" in scene.effects:
+        yield f"{nothing}: nothing moves until an edit sets one; add [loads.NAME], [effects.gravity] or [effects.ground]"
 
 
 def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
