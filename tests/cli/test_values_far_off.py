@@ -54,7 +54,7 @@ def test_a_body_that_nothing_loads(tmp_path, command, more, says):
 )
 def test_a_body_that_nothing_sets_in_motion(tmp_path, command, more, says):
     scene = write_scene(tmp_path, head("vibration") + BODY + MESH + "[effects.dynamics]\n" + more)
-    assert any("nothing moves until an edit sets one" in line for line in warnings_of(command("check", scene))) == says
+    assert any("nothing moves until an edit does" in line for line in warnings_of(command("check", scene))) == says
 
 
 def test_a_body_whose_support_moves_is_loaded(tmp_path, command):

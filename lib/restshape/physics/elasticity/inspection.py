@@ -60,7 +60,7 @@ def _unloaded(scene: Scene) -> Iterator[str]:
     if scene.effects.keys() <= STATIC:
         yield f"{nothing}: all answers are 0 until an edit sets one; add [loads.NAME] or [effects.gravity]"
     elif "dynamics" in scene.effects:
-        yield f"{nothing}: nothing moves until an edit sets one; add [loads.NAME], [effects.gravity] or [effects.ground]"
+        yield f"{nothing}: nothing moves until an edit does; add [loads.NAME], [effects.gravity] or [effects.ground]"
 
 
 def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
