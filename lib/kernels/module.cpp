@@ -7,6 +7,7 @@ void bind_averages(py::module_&);
 void bind_algebra(py::module_&);
 void bind_boundary(py::module_&);
 void bind_build(py::module_&);
+void bind_bordered(py::module_&);
 void bind_calls(py::module_&);
 void bind_contact(py::module_&);
 void bind_curves(py::module_&);
@@ -45,6 +46,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_algebra(m);
     bind_boundary(m);
     bind_build(m);
+    bind_bordered(m);
     bind_calls(m);
     bind_surface(m);
     bind_contact(m);

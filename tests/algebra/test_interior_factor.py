@@ -35,7 +35,7 @@ def test_factors_that_are_let_go_of_leave_nothing(kind):
     used = []
     for _ in range(30):
         factor: InteriorFactor = kind(inside, SIDE, *([1] if kind is NodeInterior else []))
-        factor.make(matrix)
+        factor.make((matrix.indptr, matrix.indices, matrix.data))
         factor.destroy()
         used.append(resident())
     assert used[-1] - used[9] < 4 << 20

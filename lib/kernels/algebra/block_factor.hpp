@@ -79,13 +79,15 @@ class BlockFactor {
             else
                 make_rows<widest>(a, u, k);
         }
+        // Of large factors it is as much as an eighth of their numbers.
+        if (row_.size() > kept_room) Room().swap(row_);
         return products_;
     }
 
  private:
     static constexpr int most_lanes = 16, widest = most_lanes / size, most_above = 4;
     static constexpr double slack = 1.3;  // what a group's rows hold if all have the columns of the last, over theirs
-    static constexpr std::size_t numbers = size * size;
+    static constexpr std::size_t numbers = size * size, kept_room = 1 << 20;
     using Block = Eigen::Matrix<double, size, size>;
 
     // Rows of a group: a number each in every column, at least so many that registers are full.
@@ -229,7 +231,8 @@ class BlockFactor {
         first_[group] = i;
     }
 
-    std::vector<double, Eigen::aligned_allocator<double>> row_;  // by columns of blocks
+    using Room = std::vector<double, Eigen::aligned_allocator<double>>;
+    Room row_;  // by columns of blocks, between two factors where it is small
     std::vector<PetscInt> next_, first_, at_;
     PetscInt pivots_ = 0;               // rows that are
     std::vector<PetscInt> head_, end_;  // the first row of each row's group, and the first one after it

@@ -3,19 +3,13 @@
 They exchange no rows, and take a quarter of the time of those that do.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.preconditioner import apply_to, free, order_factor
+from restshape.algebra.rank_border import Csr
 from restshape.arrays import Reals
-
-if TYPE_CHECKING:
-    import scipy.sparse as sp
 
 
 class BorderedFactor:
@@ -32,14 +26,16 @@ class BorderedFactor:
     def __init__(self, border: int = 0, fields: int = 0) -> None:
         self.border, self.fields = border, fields
         self.negative, self.singular, self.nonzeros = 0, False, 0.0
+        self._values = np.empty(0)
         self._matrix: PETSc.Mat = None
         self._pc: PETSc.PC = None
 
-    def make(self, matrix: sp.csr_matrix) -> None:
-        """Factor a matrix (n, n), of the pattern of before."""
-        csr = (matrix.indptr, matrix.indices, matrix.data)
+    def make(self, csr: Csr) -> None:
+        """Factor a matrix (n, n), of the pattern of before, whose arrays are kept: no copy is made of the first one."""
         if self._pc is None:
-            self._matrix = PETSc.Mat().createAIJ(matrix.shape, csr=csr, comm=PETSc.COMM_SELF)
+            size = len(csr[0]) - 1
+            self._values = csr[2]
+            self._matrix = PETSc.Mat().createAIJWithArrays((size, size), csr, comm=PETSc.COMM_SELF)
             self._pc = PETSc.PC().create(PETSc.COMM_SELF)
             self._pc.setType("cholesky")
             order_factor(self._pc)
@@ -47,8 +43,9 @@ class BorderedFactor:
             self._pc.setFactorSetUpSolverType()
             _kernels.keep_border(self._pc.getFactorMatrix().handle, self.border, self.fields)
         else:
-            self._matrix.setValuesCSR(*csr)
-            self._matrix.assemble()
+            if csr[2] is not self._values:
+                self._values[:] = csr[2]
+            self._matrix.stateIncrease()
             self._pc.setOperators(self._matrix)
         self._pc.setUp()
         factor = self._pc.getFactorMatrix()
@@ -90,6 +87,7 @@ class BorderedFactor:
         """Free it."""
         free(self._pc, self._matrix)
         self._matrix = self._pc = None
+        self._values = np.empty(0)
 
 
 class NodeInterior:
@@ -103,36 +101,20 @@ class NodeInterior:
     """
 
     def __init__(self, count: int, border: int, nodes: int) -> None:
-        self.count, self.border, self.nodes = count, border, nodes
+        self.count, self.border = count, border
         self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
         self.factor = BorderedFactor(border, nodes)
-        self._whole: sp.csr_matrix | None = None
 
-    def make(self, local: sp.csr_matrix) -> Reals:
-        """Factor values on the pattern of before; see `InteriorFactor`."""
-        if self._whole is None:
-            self._whole = self._begin(local)
-        np.take(np.append(local.data, 0.0), self._source, out=self._whole.data)
-        self.factor.make(self._whole)
+    def make(self, local: Csr) -> Reals:
+        """Factor values on the pattern of before; see `InteriorFactor`. The border has rows as it has columns, and its
+        own block zeros in the blocks of its nodes."""
+        self.factor.make(local)
         self.negative, self.singular, self.nonzeros = (
             self.factor.negative,
             self.factor.singular,
             self.factor.nonzeros,
         )
         return self.factor.complement()
-
-    def _begin(self, local: sp.csr_matrix) -> sp.csr_matrix:
-        """The symmetric pattern in blocks, which the border's own nodes are on as zeros."""
-        import scipy.sparse as sp
-
-        numbers = sp.csr_matrix((np.arange(1.0, len(local.data) + 1.0), local.indices, local.indptr), local.shape)
-        inside, beside = numbers[: self.count, : self.count], numbers[: self.count, self.count :]
-        zero = float(len(local.data) + 1)
-        own = sp.kron(sp.identity(self.border // self.nodes), np.full(2 * (self.nodes,), zero), format="csr")
-        whole = sp.bmat([[inside, beside], [beside.T, own]], format="csr") if self.border else inside
-        whole.sort_indices()
-        self._source = whole.data.astype(int) - 1
-        return sp.csr_matrix((np.zeros(len(whole.data)), whole.indices, whole.indptr), whole.shape)
 
     def solve(self, rows: Reals) -> Reals:
         """The inverse of the first block times each row (k, n)."""
@@ -162,8 +144,6 @@ class DenseBorder:
 
     def make(self, complement: Reals) -> bool:
         """Factor; whether a pivot is zero."""
-        import scipy.sparse as sp
-
         size = len(complement)
         if size != self._size:
             self.destroy()
@@ -171,10 +151,10 @@ class DenseBorder:
         if not size:
             self.negative = 0
             return False
-        columns = np.tile(np.arange(size, dtype=np.int32), size)
-        starts = np.arange(0, size * size + 1, size, dtype=np.int32)
+        columns = np.tile(np.arange(size, dtype=PETSc.IntType), size)
+        starts = np.arange(0, size * size + 1, size, dtype=PETSc.IntType)
         with self._stage:
-            self.factor.make(sp.csr_matrix((complement.ravel(), columns, starts), 2 * (size,)))
+            self.factor.make((starts, columns, complement.ravel()))
         self.negative = self.factor.negative
         return self.factor.singular
 

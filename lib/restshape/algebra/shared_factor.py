@@ -5,11 +5,12 @@ import logging
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.interior_factor import InteriorFactor, has_mumps, interior_factor
+from restshape.algebra.interior_factor import InteriorFactor, first_rows, has_mumps, interior_factor
 from restshape.algebra.node_factors import DenseBorder, NodeInterior
-from restshape.algebra.rank_border import RankBorder
+from restshape.algebra.rank_border import Csr, RankBorder
 from restshape.arrays import Reals
 from restshape.errors import ReplayProblem
+from restshape.first_use import made
 
 log = logging.getLogger("restshape.algebra")
 
@@ -41,17 +42,18 @@ class SharedFactor:
     def __init__(self, nodes: int = 0) -> None:
         self.made, self.stale_pattern, self.nonzeros = False, True, 0.0
         self._nodes, self._dense = nodes, DenseBorder()
-        self._matrix: PETSc.Mat = None
-        self._border: RankBorder
+        self._shifted: PETSc.Mat = None
+        self._border: RankBorder | None = None
         self._inside: InteriorFactor
 
     def forget(self) -> None:
         """Let go of the factor."""
-        if self._matrix is not None:
+        if self._border is not None:
             self._inside.destroy()
-            self._matrix.destroy()
             self._dense.destroy()
-        self.made, self.stale_pattern, self._matrix = False, True, None
+        if self._shifted is not None:
+            self._shifted.destroy()
+        self.made, self.stale_pattern, self._shifted, self._border = False, True, None, None
 
     def substitute_by_panels(self, single: bool = False) -> None:
         """Substitute by panels of nodes, in `single` precision or in double, which MUMPS does by itself."""
@@ -66,49 +68,57 @@ class SharedFactor:
             ReplayProblem: there is no factor: the shift is an eigenvalue, the matrices are not numbers, or what ranks
                 share is too large for one of them.
         """
-        if self.stale_pattern:
-            self._begin(stiffness)
-        else:
-            stiffness.copy(self._matrix, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        if shift:
-            self._matrix.axpy(-shift, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        values = self._matrix.getValuesCSR()[2]
-        local = self._border.local(values)
-        count = len(self._border.inside)
-        self._beside = local[:count, count:]
+        border = self._begin(stiffness) if self._border is None or self.stale_pattern else self._border
+        matrix = self._shift(stiffness, mass, shift) if shift else stiffness
+        local, inside_finite = border.local(matrix)
+        between = border.between(matrix)
+        count = len(border.inside)
         # Of numbers that are none no library promises an end.
-        finite = bool(np.isfinite(values).all())
-        schur = self._inside.make(local) if count and finite else np.zeros(2 * (len(self._border.beside),))
+        finite = inside_finite and bool(np.isfinite(between[2]).all())
+        schur = self._inside.make(local) if count and finite else np.zeros(2 * (len(border.beside),))
+        if not self._nodes:
+            self._beside = first_rows(local, count)[1]
         why = "" if finite and not (count and self._inside.singular) else NO_FACTOR
         why = TOO_LARGE if count and finite and self._inside.too_large else why
-        below, self.nonzeros = self._factor_border(schur, values, why)
+        below, self.nonzeros = self._factor_border(border, schur, between, why)
         self.made = True
         return below
 
-    def _begin(self, stiffness: PETSc.Mat) -> None:
-        """Take up another pattern."""
+    def _shift(self, stiffness: PETSc.Mat, mass: PETSc.Mat, shift: float) -> PETSc.Mat:
+        """The matrix K - s M."""
+        if self._shifted is None:
+            self._shifted = stiffness.duplicate(copy=True)
+        else:
+            stiffness.copy(self._shifted, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self._shifted.axpy(-shift, mass, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        return self._shifted
+
+    def _begin(self, stiffness: PETSc.Mat) -> RankBorder:
+        """Take up another pattern; its border."""
         self.forget()
-        border = RankBorder(stiffness)
+        border = RankBorder(stiffness, self._nodes)
         if (m := len(border.rows)) > MOST_BORDER:
             what = f"{m:,} unknowns couple the parts of {stiffness.getComm().size} ranks"
             much = f"their factor would take {8e-9 * m * m:.1f} GB of the first rank"
             raise ReplayProblem(f"{what}, and {much}: start fewer ranks, or take a coarser mesh")
-        self._matrix, self._border = stiffness.duplicate(copy=True), border
-        count, beside = len(self._border.inside), len(self._border.beside)
+        self._border = border
+        count, beside = len(border.inside), len(border.beside)
         self._inside = NodeInterior(count, beside, self._nodes) if self._nodes else interior_factor(count, beside)
         self._world = stiffness.getComm().tompi4py()
         self.stale_pattern = False
-        if not self._nodes and not has_mumps() and len(self._border.rows):
-            log.info("ST factor: PETSc has no MUMPS, so that a border of %d costs as much", len(self._border.rows))
+        if not self._nodes and not has_mumps() and len(border.rows):
+            log.info("ST factor: PETSc has no MUMPS, so that a border of %d costs as much", len(border.rows))
+        return border
 
-    def _factor_border(self, schur: Reals, values: Reals, why: str) -> tuple[int, float]:
+    def _factor_border(self, border: RankBorder, schur: Reals, between: Csr, why: str) -> tuple[int, float]:
         """Sum what the ranks leave on their border, in their order, and factor it on the first one; `make`'s answer.
 
         Args:
-            schur: what this rank leaves; values: of its rows; why: it has no factor, empty where it has one.
+            border: of the ranks; schur: what this rank leaves there; between: its entries there.
+            why: it has no factor, empty where it has one.
         """
-        border, inside = self._border, self._inside
-        own = (border.beside, border.between(values), inside.negative, inside.nonzeros, why)
+        inside = self._inside
+        own = (border.beside, between, inside.negative, inside.nonzeros, why)
         parts, answer = self._world.gather(own), None
         if parts is None:
             self._world.Send(schur, 0)
@@ -156,7 +166,7 @@ class SharedFactor:
 
     def solve_rows(self, rows: Reals) -> Reals:
         """The inverse times each row (k, n), of which each rank has its columns; collective."""
-        border, found = self._border, np.empty_like(rows)
+        border, found = made(self._border), np.empty_like(rows)
         right = np.zeros((len(rows), len(border.rows)))
         right[:, border.own_places] = rows[:, border.own]
         inside = self._solve_inside(rows[:, border.inside])
@@ -170,7 +180,7 @@ class SharedFactor:
 
     def _solve_row(self, row: Reals) -> Reals:
         """The inverse times a row (n,), by factors in blocks of nodes, which are passed once each way."""
-        border, found, inside = self._border, np.empty_like(row), self._inside
+        border, found, inside = made(self._border), np.empty_like(row), self._inside
         right = np.zeros(len(border.rows))
         right[border.own_places] = row[border.own]
         factor = inside.factor if isinstance(inside, NodeInterior) and inside.count else None
