@@ -17,6 +17,7 @@ void bind_extrude(py::module_&);
 void bind_operator(py::module_&);
 void bind_increments(py::module_&);
 void bind_least_squares(py::module_&);
+void bind_memory(py::module_&);
 void bind_mesh(py::module_&);
 void bind_motion(py::module_&);
 void bind_mesher(py::module_&);
@@ -57,6 +58,7 @@ PYBIND11_MODULE(_kernels, m) {
     bind_operator(m);
     bind_increments(m);
     bind_least_squares(m);
+    bind_memory(m);
     bind_mesh(m);
     bind_motion(m);
     bind_mesher(m);

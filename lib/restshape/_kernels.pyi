@@ -22,7 +22,9 @@ __all__: list[str] = [
     "Triangulation",
     "add_friction",
     "begin_frame",
+    "between_ranks",
     "border_complement",
+    "bordered_pattern",
     "build",
     "calls",
     "cell_order",
@@ -33,6 +35,7 @@ __all__: list[str] = [
     "combine_rows",
     "complete_inside",
     "correct_around",
+    "couplings_of_ranks",
     "curved_jacobian_bound",
     "cycle_in_single",
     "distances",
@@ -44,12 +47,15 @@ __all__: list[str] = [
     "energy_products",
     "estimate_points",
     "extrude_nodes",
+    "factor_shared_rows",
     "farthest_apart",
+    "finite_rows",
     "flop_rate",
     "follow_sides",
     "forget_cycle",
     "forget_failure",
     "forget_products",
+    "give_back_memory",
     "gmls",
     "grade_sizes",
     "has_cgal",
@@ -68,6 +74,7 @@ __all__: list[str] = [
     "matrix_products",
     "mean_at",
     "mean_value",
+    "met_by_inside",
     "momenta",
     "move_and_check",
     "moved_cells",
@@ -113,6 +120,7 @@ __all__: list[str] = [
     "space_recovery_points",
     "split_prisms",
     "stop_watching",
+    "take_entries",
     "take_increment",
     "thickness_stretch",
     "total_area",
@@ -658,9 +666,18 @@ def add_friction(
     potential: numpy.typing.NDArray[numpy.float64],
 ) -> float: ...
 def begin_frame() -> None: ...
+def between_ranks(
+    handle: typing.SupportsInt | typing.SupportsIndex, place: numpy.typing.NDArray[numpy.int32]
+) -> tuple: ...
 def border_complement(
     factor: typing.SupportsInt | typing.SupportsIndex, out: numpy.typing.NDArray[numpy.float64]
 ) -> None: ...
+def bordered_pattern(
+    handle: typing.SupportsInt | typing.SupportsIndex,
+    number: numpy.typing.NDArray[numpy.int32],
+    inside: typing.SupportsInt | typing.SupportsIndex,
+    border: typing.SupportsInt | typing.SupportsIndex,
+) -> tuple: ...
 def build() -> dict: ...
 def calls() -> dict: ...
 def cell_order(
@@ -712,6 +729,7 @@ def correct_around(
     nodes: numpy.typing.NDArray[numpy.int32],
     fields: typing.SupportsInt | typing.SupportsIndex,
 ) -> bool: ...
+def couplings_of_ranks(handle: typing.SupportsInt | typing.SupportsIndex) -> tuple: ...
 def curved_jacobian_bound(
     X: numpy.typing.NDArray[numpy.float64],
     cells: numpy.typing.NDArray[numpy.int32],
@@ -756,10 +774,16 @@ def extrude_nodes(
     datum: typing.SupportsFloat | typing.SupportsIndex,
     X: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def factor_shared_rows(
+    factor: typing.SupportsInt | typing.SupportsIndex,
+    handle: typing.SupportsInt | typing.SupportsIndex,
+    number: numpy.typing.NDArray[numpy.int32],
+) -> None: ...
 def farthest_apart(
     before: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     after: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> float: ...
+def finite_rows(handle: typing.SupportsInt | typing.SupportsIndex) -> bool: ...
 def flop_rate(
     steps: typing.SupportsInt | typing.SupportsIndex = 20000, runs: typing.SupportsInt | typing.SupportsIndex = 20
 ) -> float: ...
@@ -782,6 +806,7 @@ def follow_sides(
 def forget_cycle(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def forget_failure(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def forget_products(pc: typing.SupportsInt | typing.SupportsIndex) -> None: ...
+def give_back_memory() -> bool: ...
 def gmls(
     hand: numpy.typing.NDArray[numpy.float64],
     last: numpy.typing.NDArray[numpy.float64],
@@ -874,6 +899,9 @@ def mean_value(
     segments: numpy.typing.NDArray[numpy.int32],
     values: numpy.typing.NDArray[numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
+def met_by_inside(
+    handle: typing.SupportsInt | typing.SupportsIndex, place: numpy.typing.NDArray[numpy.int32]
+) -> numpy.typing.NDArray[numpy.int32]: ...
 def momenta(
     old_cells: numpy.typing.NDArray[numpy.int32],
     v: numpy.typing.NDArray[numpy.float64],
@@ -1074,6 +1102,11 @@ def split_prisms(
     changed: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
 ) -> None: ...
 def stop_watching() -> None: ...
+def take_entries(
+    handle: typing.SupportsInt | typing.SupportsIndex,
+    entries: numpy.typing.NDArray[numpy.int32],
+    out: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def take_increment(
     now: numpy.typing.NDArray[numpy.float64],
     last: numpy.typing.NDArray[numpy.float64],

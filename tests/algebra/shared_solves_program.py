@@ -1,6 +1,7 @@
 """Run by mpiexec: factors in blocks of nodes that ranks share, and cloth whose equations they share; prints JSON."""
 
 import json
+import tracemalloc
 
 import numpy as np
 import scipy.sparse as sp
@@ -110,6 +111,26 @@ def by_panels(whole: sp.csr_matrix) -> list[float]:
     return left
 
 
+def held() -> list[float]:
+    """What a factor of a long strip holds of numpy's memory, and the most that it takes, over the rank's entries."""
+    long, across = (sp.diags([1, 1, 1], [-1, 0, 1], (count, count)) for count in (400, 6))
+    whole = (sp.kron(sp.kron(long, across), np.ones((3, 3))) + SHIFT * sp.identity(7200)).tocsr()
+    whole.sort_indices()
+    mat = shared(whole)
+    own = max(8.0 * mat.getInfo(PETSc.Mat.InfoType.LOCAL)["nz_used"], 8.0)
+    factor = SharedFactor(3)
+    factor.make(mat, mat, 0.0)
+    factor.forget()
+    tracemalloc.start()
+    factor.make(mat, mat, 0.0)
+    now, most = (size / own for size in tracemalloc.get_traced_memory())
+    factor.make(mat, mat, 0.0)
+    again = tracemalloc.get_traced_memory()[1] / own
+    tracemalloc.stop()
+    factor.forget()
+    return [now, most, again]
+
+
 def chosen() -> dict[str, object]:
     """What `auto` takes for Laplace's matrix of 8,100 nodes of two unknowns, and how it goes on with an old factor."""
     side, taken = 90, []
@@ -151,6 +172,7 @@ def main() -> None:
     single.sort_indices()
     cases["single"] = factored(single, 1)
     cases |= {"believed": believed(), "panels": by_panels(whole), "chosen": chosen()}
+    cases["held"] = WORLD.tompi4py().allgather(held())
     if WORLD.rank == 0:
         print(json.dumps(cases))
 

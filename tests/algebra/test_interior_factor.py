@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 
 from restshape.algebra.interior_factor import InteriorFactor, MumpsInterior, PlainInterior, has_mumps
-from restshape.algebra.node_factors import NodeInterior
+from restshape.algebra.node_factors import BorderedFactor
 
 SIDE = 50
 
@@ -26,7 +26,7 @@ def resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-@pytest.mark.parametrize("kind", [MumpsInterior, PlainInterior, NodeInterior])
+@pytest.mark.parametrize("kind", [MumpsInterior, PlainInterior, BorderedFactor])
 def test_factors_that_are_let_go_of_leave_nothing(kind):
     """A frame of large deformation on several ranks may test hundreds of tangents. Kept, each was 1 MB of these."""
     if kind is MumpsInterior and not has_mumps():
@@ -34,7 +34,7 @@ def test_factors_that_are_let_go_of_leave_nothing(kind):
     matrix, inside = laplacian(), SIDE * (SIDE - 1)
     used = []
     for _ in range(30):
-        factor: InteriorFactor = kind(inside, SIDE, *([1] if kind is NodeInterior else []))
+        factor: InteriorFactor | BorderedFactor = kind(*((SIDE, 1) if kind is BorderedFactor else (inside, SIDE)))
         factor.make((matrix.indptr, matrix.indices, matrix.data))
         factor.destroy()
         used.append(resident())

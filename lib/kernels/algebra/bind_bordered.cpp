@@ -3,12 +3,16 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include "algebra/bordered_pattern.hpp"
+#include "algebra/node_cholesky.hpp"
 
 namespace py = pybind11;
+using restshape::check;
 using restshape::SharedRows;
 using Integers = py::array_t<PetscInt, py::array::c_style>;
 using Reals = py::array_t<double, py::array::c_style>;
@@ -70,18 +74,30 @@ py::tuple between(intptr_t handle, const Integers& place) {
     return py::make_tuple(array_of(std::move(row_of)), array_of(std::move(column_of)), array_of(std::move(entry_of)));
 }
 
-py::tuple pattern(intptr_t handle, const Integers& number, PetscInt inside, PetscInt border, PetscInt nodes) {
+py::tuple pattern(intptr_t handle, const Integers& number, PetscInt inside, PetscInt border) {
     const SharedRows rows = rows_of(handle);
-    const PetscInt* known = of_columns(rows, number);
-    auto found = restshape::bordered_pattern(rows, known, inside, border, nodes);
+    auto found = restshape::bordered_pattern(rows, of_columns(rows, number), inside, border, 0);
     return py::make_tuple(array_of(std::move(found.start)), array_of(std::move(found.column)),
                           array_of(std::move(found.entry)));
 }
 
-bool take(intptr_t handle, const Integers& entries, Reals out) {
+void take(intptr_t handle, const Integers& entries, Reals out) {
     if (entries.size() != out.size()) throw std::invalid_argument("out must be as long as entries");
-    return restshape::take_entries(rows_of(handle), entries.data(), static_cast<size_t>(entries.size()),
-                                   out.mutable_data());
+    restshape::take_entries(rows_of(handle), entries.data(), static_cast<size_t>(entries.size()), out.mutable_data());
+}
+
+bool finite_rows(intptr_t handle) {
+    const SharedRows rows = rows_of(handle);
+    const auto all = [](const double* values, PetscInt count) {
+        return std::all_of(values, values + count, [](double value) { return std::isfinite(value); });
+    };
+    return all(rows.values(), rows.entries()) && all(rows.other_values(), rows.other_entries());
+}
+
+void factor(intptr_t factor, intptr_t handle, const Integers& number) {
+    const SharedRows rows = rows_of(handle);
+    check(restshape::factor_shared_rows(reinterpret_cast<Mat>(factor), rows, of_columns(rows, number)),
+          "factor_shared_rows");
 }
 
 }  // namespace
@@ -97,12 +113,16 @@ void bind_bordered(py::module_& m) {
     m.def("between_ranks", &between, py::arg("handle"), py::arg("place").noconvert(),
           "Rows and columns (k,) in the border, and numbers (k,) of this rank's entries there; see met_by_inside.");
     m.def("bordered_pattern", &pattern, py::arg("handle"), py::arg("number").noconvert(), py::arg("inside"),
-          py::arg("border"), py::arg("nodes"),
+          py::arg("border"),
           "Starts (n + 1,), columns and numbers of entries (k,) of a pattern by rows: those inside, and so many of the "
-          "border behind. number: (c,) of each column of this rank's rows its place there, -1 for none. The border's "
-          "rows have what is inside in their columns, and zeros, of number -1, in the block of each node of so many "
-          "unknowns; without nodes they have a zero on the diagonal. See couplings_of_ranks.");
+          "border behind, which have a zero on the diagonal, of number -1. number: (c,) of each column of this rank's "
+          "rows its place there, -1 for none. See couplings_of_ranks.");
     m.def("take_entries", &take, py::arg("handle"), py::arg("entries").noconvert(), py::arg("out").noconvert(),
-          "Writes entries (k,) of this rank's rows, by the numbers that bordered_pattern gives them, into out (k,); "
-          "returns whether all are finite.");
+          "Writes entries (k,) of this rank's rows, by the numbers that bordered_pattern gives them, into out (k,).");
+    m.def("finite_rows", &finite_rows, py::arg("handle"),
+          "Whether all entries of this rank's rows are numbers. See couplings_of_ranks.");
+    m.def("factor_shared_rows", &factor, py::arg("factor"), py::arg("handle"), py::arg("number").noconvert(),
+          "Makes the factor with the first handle, of NODE_BLOCKS, of this rank's rows inside of the matrix with the "
+          "second one, and of the border that it keeps: its rows have what is inside in their columns, and zeros in "
+          "the blocks of its nodes. number: as of bordered_pattern. See keep_border.");
 }

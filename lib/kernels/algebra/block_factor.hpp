@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace restshape {
@@ -31,6 +32,10 @@ struct StoredBlocks {
     const PetscInt *from,
         *length;  // where a block's first value is; values from one row to the next of a row of blocks
     const double* value;
+    // Of a matrix in two parts `from` goes on in the second one from this number on; below 0 it is a block of zeros.
+    PetscInt first_part = std::numeric_limits<PetscInt>::max();
+    const PetscInt* second_length = nullptr;
+    const double* second_value = nullptr;
 };
 
 // The inverse of a block, by elimination with exchanges of rows; not finite where the block has none.
@@ -157,11 +162,16 @@ class BlockFactor {
 
     template <int rows>
     void load(const StoredBlocks& a, PetscInt k, PetscInt own) {
-        for (PetscInt j = a.start[k]; j < a.start[k + 1]; ++j)
+        for (PetscInt j = a.start[k]; j < a.start[k + 1]; ++j) {
+            const PetscInt from = a.from[j];
+            if (from < 0) continue;
+            const bool second = from >= a.first_part;
+            const double* value = second ? a.second_value + (from - a.first_part) : a.value + from;
+            const PetscInt length = second ? a.second_length[k] : a.length[k];
+            double* to = column<rows>(a.column[j]) + own * size;
             for (int c = 0; c < size; ++c)
-                for (int r = 0; r < size; ++r)
-                    column<rows>(a.column[j])[c * lanes(rows) + own * size + r] =
-                        a.value[a.from[j] + r * a.length[k] + c];
+                for (int r = 0; r < size; ++r) to[c * lanes(rows) + r] = value[r * length + c];
+        }
     }
 
     // Whether what is left of two rows above has the same columns: in a group each row has all columns of that before.

@@ -4,7 +4,6 @@
 
 #include <petscmat.h>
 
-#include <cmath>
 #include <stdexcept>
 #include <vector>
 
@@ -22,6 +21,10 @@ class SharedRows {
     const PetscInt* columns_of_others() const { return names_; }
     PetscInt entries() const { return own_.start[own_.n]; }
     PetscInt other_entries() const { return others_.start[others_.n]; }
+    PetscInt length(PetscInt row) const { return own_.start[row + 1] - own_.start[row]; }
+    PetscInt other_length(PetscInt row) const { return others_.start[row + 1] - others_.start[row]; }
+    const double* values() const { return own_.value; }
+    const double* other_values() const { return others_.value; }
 
     // Calls visit(column, entry) for a row; entries of others' columns are numbered behind those of own ones.
     template <class Visit>
@@ -117,16 +120,13 @@ inline BorderedPattern bordered_pattern(const SharedRows& rows, const PetscInt* 
     return found;
 }
 
-// Writes entries of rows; returns whether all are numbers.
-inline bool take_entries(const SharedRows& rows, const PetscInt* entry, std::size_t count, double* out) {
+// Writes entries of rows.
+inline void take_entries(const SharedRows& rows, const PetscInt* entry, std::size_t count, double* out) {
     const PetscInt most = rows.entries() + rows.other_entries();
-    bool finite = true;
     for (std::size_t k = 0; k < count; ++k) {
         if (entry[k] >= most) throw std::invalid_argument("an entry that the matrix does not have");
         out[k] = entry[k] < 0 ? 0.0 : rows.value(entry[k]);
-        finite = finite && std::isfinite(out[k]);
     }
-    return finite;
 }
 
 }  // namespace restshape

@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <memory>
 
 #include "algebra/block_factor.hpp"
@@ -45,6 +47,9 @@ struct NodeCholesky {
     PetscInt border = 0;             // the last unknowns, which are no pivots
     PetscInt fields = 0;             // unknowns a node where they are given; else the pattern shows them
     std::vector<double> complement;  // of them, by rows
+    // Of a rank's rows in two parts: entries in the first one, and lengths of rows in the second.
+    PetscInt first_part = std::numeric_limits<PetscInt>::max();
+    std::vector<PetscInt> second_length;
     PetscInt pivots() const { return static_cast<PetscInt>(blocks.order.size()) - border / blocks.size; }
     BlockRows rows() const {
         return {static_cast<PetscInt>(blocks.order.size()), pattern.start.data(), pattern.column.data(), values.get()};
@@ -61,38 +66,86 @@ PetscErrorCode destroy(Mat F) {
     PetscFunctionReturn(0);
 }
 
-// The pattern of a sequential AIJ matrix, for a call.
-template <class Use>
-PetscErrorCode with_pattern(Mat A, const Use& use) {
-    Pattern a;
-    PetscBool done;
+// Lays out the pattern of what is factored, in an order by this elimination.
+using LayOut = std::function<PetscErrorCode(Elimination)>;
+
+// The same of a pattern that is at hand.
+PetscErrorCode lay_out_pattern(NodeCholesky* c, const Pattern& a, Elimination by) {
+    const PetscInt size = block_size(a, c->fields);
     PetscFunctionBegin;
-    PetscCall(MatGetRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
-    PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs rows and columns of a sequential AIJ matrix");
-    PetscCall(use(a));
-    PetscCall(MatRestoreRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
+    PetscCheck(c->border % size == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks keeps whole nodes");
+    PetscCall(make_blocks(a, size, &c->blocks, c->border / size, by));
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
-
-// Without values until all is there.
-PetscErrorCode lay_out(Mat F, Mat A, Elimination by) {
+// Room for the numbers of the factor of blocks that are laid out: there is none until all is there.
+PetscErrorCode with_room(Mat F, const std::function<PetscErrorCode()>& lay_out) {
     NodeCholesky* c = of(F);
     PetscFunctionBegin;
     c->substitution.reset();
     c->substituted = false;
     c->values.reset();
-    PetscCall(with_pattern(A, [&](const Pattern& a) {
-        const PetscInt size = block_size(a, c->fields);
-        PetscCheck(c->border % size == 0, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks keeps whole nodes");
-        return make_blocks(a, size, &c->blocks, c->border / size, by);
-    }));
+    PetscCall(lay_out());
     c->pattern = factor_pattern(c->blocks);
-    c->right.resize(A->rmap->n);
-    c->solution.resize(A->rmap->n);
+    c->right.resize(F->rmap->n);
+    c->solution.resize(F->rmap->n);
     c->values.reset(new double[c->numbers()]);
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo* info);
+
+// Of a sequential AIJ matrix.
+PetscErrorCode lay_out(Mat F, Mat A, Elimination by) {
+    PetscFunctionBegin;
+    PetscCall(with_room(F, [&]() -> PetscErrorCode {
+        Pattern a;
+        PetscBool done;
+        PetscFunctionBegin;
+        PetscCall(MatGetRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
+        PetscCheck(done, PETSC_COMM_SELF, PETSC_ERR_SUP, "node_blocks needs rows and columns of a sequential matrix");
+        PetscCall(lay_out_pattern(of(F), a, by));
+        PetscCall(MatRestoreRowIJ(A, 0, PETSC_FALSE, PETSC_FALSE, &a.rows, &a.starts, &a.columns, &done));
+        PetscFunctionReturn(0);
+    }));
     F->ops->choleskyfactornumeric = numeric;
+    PetscFunctionReturn(0);
+}
+
+// Where the blocks of a pattern of a rank's rows are: what is laid out has them where the pattern has.
+void find_in_rows(NodeCholesky* c, const SharedRows& rows, const PetscInt* number, const BorderedPattern& found) {
+    UpperBlocks& u = c->blocks;
+    const auto size = static_cast<std::size_t>(u.size);
+    std::vector<PetscInt> row_of(found.start.size() - 1, -1);
+    for (PetscInt row = 0; row < rows.count(); ++row)
+        if (number[row] >= 0 && number[row] < static_cast<PetscInt>(row_of.size()) - c->border) row_of[number[row]] = row;
+    c->first_part = rows.entries();
+    c->second_length.assign(u.order.size(), 0);
+    for (std::size_t k = 0; k < u.order.size(); ++k) {
+        const PetscInt row = row_of[size * u.order[k]], wide = u.length[k];
+        if (row >= 0) u.length[k] = rows.length(row), c->second_length[k] = rows.other_length(row);
+        for (PetscInt j = u.starts[k]; j < u.starts[k + 1]; ++j) {
+            const PetscInt at = u.from[j], first = u.from[j] = found.entry[at];
+            const PetscInt length = first < c->first_part ? u.length[k] : c->second_length[k];
+            for (std::size_t r = 0; r < size && first >= 0; ++r)
+                for (std::size_t d = 0; d < size; ++d)
+                    if (found.entry[at + r * wide + d] != static_cast<PetscInt>(first + r * length + d))
+                        throw std::invalid_argument("the unknowns of a node do not lie side by side");
+        }
+    }
+}
+
+PetscErrorCode lay_out_rows(Mat F, const SharedRows& rows, const PetscInt* number, Elimination by) {
+    PetscFunctionBegin;
+    PetscCall(with_room(F, [&]() -> PetscErrorCode {
+        NodeCholesky* c = of(F);
+        const PetscInt border = c->border, inside = F->rmap->n - border;
+        PetscFunctionBegin;
+        const BorderedPattern found = bordered_pattern(rows, number, inside, border, std::max<PetscInt>(c->fields, 1));
+        PetscCall(lay_out_pattern(c, {F->rmap->n, found.start.data(), found.column.data()}, by));
+        find_in_rows(c, rows, number, found);
+        PetscFunctionReturn(0);
+    }));
     PetscFunctionReturn(0);
 }
 
@@ -116,7 +169,7 @@ double count_products(const FactorPattern& pattern) {
 
 // Orders a pattern by nested dissection once it has been factored several times, a very large one before, where that
 // takes fewer products: in slender bodies it does not.
-PetscErrorCode dissect_if_due(Mat F, Mat A) {
+PetscErrorCode dissect_if_due(Mat F, const LayOut& lay_out) {
     NodeCholesky* c = of(F);
     PetscFunctionBegin;
     const auto nodes = static_cast<PetscInt>(c->blocks.order.size());
@@ -124,8 +177,8 @@ PetscErrorCode dissect_if_due(Mat F, Mat A) {
     const bool due = c->made++ == made_before && c->blocks.size == 3 && c->border == 0 && has_dissection();
     if (!due || nodes < large) PetscFunctionReturn(0);
     const double before = count_products(c->pattern);
-    PetscCall(lay_out(F, A, Elimination::dissection));
-    if (!(count_products(c->pattern) < before)) PetscCall(lay_out(F, A, Elimination::minimum_degree));
+    PetscCall(lay_out(Elimination::dissection));
+    if (!(count_products(c->pattern) < before)) PetscCall(lay_out(Elimination::minimum_degree));
     PetscFunctionReturn(0);
 }
 
@@ -200,14 +253,7 @@ void take_complement(NodeCholesky& c, const BlockRows& own) {
 }
 
 template <int size>
-PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor<size>& maker) {
-    const UpperBlocks& u = c.blocks;
-    const StoredBlocks from{static_cast<PetscInt>(u.order.size()),
-                            u.starts.data(),
-                            u.columns.data(),
-                            u.from.data(),
-                            u.length.data(),
-                            values};
+PetscErrorCode make_blocks_of(NodeCholesky& c, const StoredBlocks& from, BlockFactor<size>& maker) {
     PetscFunctionBegin;
     const double products = maker.make(from, c.rows(), c.border / size);
     if (c.border) take_complement<size>(c, c.rows());
@@ -215,28 +261,38 @@ PetscErrorCode make_blocks_of(NodeCholesky& c, const double* values, BlockFactor
     PetscFunctionReturn(0);
 }
 
-PetscErrorCode make_numbers(Mat F, Mat A) {
+// The factor of values of a matrix, in one part or two, whose pattern is laid out where it is not yet.
+PetscErrorCode make_numbers(Mat F, const LayOut& lay_out, const double* values, const double* second = nullptr) {
     NodeCholesky* c = of(F);
     PetscFunctionBegin;
     // Memory has not held the order before.
-    if (!c->values) PetscCall(lay_out(F, A, Elimination::minimum_degree));
-    PetscCall(dissect_if_due(F, A));
-    const PetscInt size = c->blocks.size;
-    const double* values;
+    if (!c->values) PetscCall(lay_out(Elimination::minimum_degree));
+    PetscCall(dissect_if_due(F, lay_out));
+    const UpperBlocks& u = c->blocks;
+    const StoredBlocks from{static_cast<PetscInt>(u.order.size()),
+                            u.starts.data(),
+                            u.columns.data(),
+                            u.from.data(),
+                            u.length.data(),
+                            values,
+                            c->first_part,
+                            c->second_length.data(),
+                            second};
     c->substituted = false;
-    PetscCall(MatSeqAIJGetArrayRead(A, &values));
-    if (size == 1) PetscCall(make_blocks_of(*c, values, c->singles));
-    if (size == 2) PetscCall(make_blocks_of(*c, values, c->pairs));
-    if (size == 3) PetscCall(make_blocks_of(*c, values, c->triples));
-    PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
+    if (u.size == 1) PetscCall(make_blocks_of(*c, from, c->singles));
+    if (u.size == 2) PetscCall(make_blocks_of(*c, from, c->pairs));
+    if (u.size == 3) PetscCall(make_blocks_of(*c, from, c->triples));
     c->zero = count_pivots(*c, {count_zero<1>, count_zero<2>, count_zero<3>});
     F->factorerrortype = c->zero ? MAT_FACTOR_NUMERIC_ZEROPIVOT : MAT_FACTOR_NOERROR;
     PetscFunctionReturn(0);
 }
 
 PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
+    const double* values;
     PetscFunctionBegin;
-    PetscCall(within_memory(F, [&] { return make_numbers(F, A); }));
+    PetscCall(MatSeqAIJGetArrayRead(A, &values));
+    PetscCall(within_memory(F, [&] { return make_numbers(F, [&](Elimination by) { return lay_out(F, A, by); }, values); }));
+    PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
     PetscFunctionReturn(0);
 }
 
@@ -377,6 +433,20 @@ PetscErrorCode kept_border(Mat factor, PetscInt* unknowns) {
     PetscFunctionBegin;
     PetscCheck(in_node_blocks(factor), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
     *unknowns = of(factor)->border;
+    PetscFunctionReturn(0);
+}
+
+PetscErrorCode factor_shared_rows(Mat F, const SharedRows& rows, const PetscInt* number) {
+    const auto lay_out = [&](Elimination by) { return lay_out_rows(F, rows, number, by); };
+    PetscFunctionBegin;
+    PetscCheck(in_node_blocks(F), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG, "not a factor of node_blocks");
+    PetscCheck(!of(F)->values || of(F)->first_part == rows.entries(), PETSC_COMM_SELF, PETSC_ERR_ARG_WRONG,
+               "rows of another pattern");
+    // As PETSc counts its own calls.
+    PetscCall(PetscLogEventBegin(MAT_CholeskyFactorNumeric, F, 0, 0, 0));
+    PetscCall(within_memory(F, [&] { return make_numbers(F, lay_out, rows.values(), rows.other_values()); }));
+    PetscCall(PetscLogEventEnd(MAT_CholeskyFactorNumeric, F, 0, 0, 0));
+    PetscCall(PetscObjectStateIncrease(reinterpret_cast<PetscObject>(F)));
     PetscFunctionReturn(0);
 }
 

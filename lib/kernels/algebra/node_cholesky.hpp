@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "algebra/block_factor.hpp"
+#include "algebra/bordered_pattern.hpp"
 
 namespace restshape {
 
@@ -43,6 +44,10 @@ void substitute_in_place(Mat factor, double* x);
 // are then those with these unknowns 0. A node has so many unknowns (`fields`), which small patterns do not show.
 PetscErrorCode keep_border(Mat factor, PetscInt unknowns, PetscInt fields);
 PetscErrorCode kept_border(Mat factor, PetscInt* unknowns);
+
+// Makes a factor of this type, whose border has been given, of a rank's rows inside and their border: of what
+// `bordered_pattern` lays out, read where PETSc keeps it. Its pattern is that of the first call.
+PetscErrorCode factor_shared_rows(Mat factor, const SharedRows& rows, const PetscInt* number);
 
 // The Schur complement of what a factor keeps, by rows.
 PetscErrorCode border_complement(Mat factor, double* complement);

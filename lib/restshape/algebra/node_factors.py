@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.preconditioner import apply_to, free, order_factor
 from restshape.algebra.rank_border import Csr
-from restshape.arrays import Reals
+from restshape.arrays import Integers, Reals
 
 
 class BorderedFactor:
@@ -35,19 +35,39 @@ class BorderedFactor:
         if self._pc is None:
             size = len(csr[0]) - 1
             self._values = csr[2]
-            self._matrix = PETSc.Mat().createAIJWithArrays((size, size), csr, comm=PETSc.COMM_SELF)
-            self._pc = PETSc.PC().create(PETSc.COMM_SELF)
-            self._pc.setType("cholesky")
-            order_factor(self._pc)
-            self._pc.setOperators(self._matrix)
-            self._pc.setFactorSetUpSolverType()
-            _kernels.keep_border(self._pc.getFactorMatrix().handle, self.border, self.fields)
+            self._begin(PETSc.Mat().createAIJWithArrays((size, size), csr, comm=PETSc.COMM_SELF))
         else:
             if csr[2] is not self._values:
                 self._values[:] = csr[2]
             self._matrix.stateIncrease()
             self._pc.setOperators(self._matrix)
         self._pc.setUp()
+        self._count()
+
+    def make_inside(self, mat: PETSc.Mat, number: Integers) -> None:
+        """Factor this rank's rows inside of a matrix that ranks share, and their border, without a copy of them.
+
+        Args:
+            mat: of the pattern of before; number: as of `RankBorder`.
+        """
+        if self._pc is None:
+            size = int(number.max(initial=-1)) + 1
+            self._begin(PETSc.Mat().createAIJ((size, size), nnz=0, comm=PETSc.COMM_SELF))
+        _kernels.factor_shared_rows(self._pc.getFactorMatrix().handle, mat.handle, number)
+        self._count()
+
+    def _begin(self, matrix: PETSc.Mat) -> None:
+        """Take up a matrix, whose factor is of its size."""
+        self._matrix = matrix
+        matrix.assemble()
+        self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+        self._pc.setType("cholesky")
+        order_factor(self._pc)
+        self._pc.setOperators(matrix)
+        self._pc.setFactorSetUpSolverType()
+        _kernels.keep_border(self._pc.getFactorMatrix().handle, self.border, self.fields)
+
+    def _count(self) -> None:
         factor = self._pc.getFactorMatrix()
         self.negative, zero, _ = factor.getInertia()
         self.singular = zero > 0
@@ -91,39 +111,35 @@ class BorderedFactor:
 
 
 class NodeInterior:
-    """An `InteriorFactor` in blocks of nodes: of a matrix whose rows inside and on the border are whole nodes.
+    """A factor in blocks of nodes of what a rank has inside, whose rows inside and on the border are whole nodes.
 
     Args:
-        count: unknowns inside; border: of the border; nodes: unknowns of a node.
+        border: unknowns of the border; nodes: unknowns of a node.
 
     Attributes:
+        negative: pivots; singular: whether one is zero; nonzeros: of the factor; too_large: never.
         factor: of both.
     """
 
-    def __init__(self, count: int, border: int, nodes: int) -> None:
-        self.count, self.border = count, border
-        self.negative, self.singular, self.too_large, self.nonzeros = 0, False, False, 0.0
+    too_large = False
+
+    def __init__(self, border: int, nodes: int) -> None:
+        self.negative, self.singular, self.nonzeros = 0, False, 0.0
         self.factor = BorderedFactor(border, nodes)
 
-    def make(self, local: Csr) -> Reals:
-        """Factor values on the pattern of before; see `InteriorFactor`. The border has rows as it has columns, and its
-        own block zeros in the blocks of its nodes."""
-        self.factor.make(local)
+    def make(self, mat: PETSc.Mat, number: Integers) -> Reals:
+        """Factor values on the pattern of before; the Schur complement (m, m) of the border, whose own block is 0.
+
+        Args:
+            mat: whose rows ranks share; number: as of `RankBorder`.
+        """
+        self.factor.make_inside(mat, number)
         self.negative, self.singular, self.nonzeros = (
             self.factor.negative,
             self.factor.singular,
             self.factor.nonzeros,
         )
         return self.factor.complement()
-
-    def solve(self, rows: Reals) -> Reals:
-        """The inverse of the first block times each row (k, n)."""
-        right = np.zeros(self.count + self.border)
-        found = np.empty_like(rows)
-        for row, out in zip(rows, found):
-            right[: self.count] = row
-            out[:] = self.factor.solve(right)[: self.count]
-        return found
 
     def destroy(self) -> None:
         """Free it."""

@@ -18,15 +18,16 @@ class RankBorder:
 
     Args:
         mat: whose rows are shared; on two ranks at least; collective.
-        nodes: unknowns of a node, where factors are in blocks of nodes; see `local`.
 
     Attributes:
         rows: (m,) all unknowns of the border, ascending.
         inside, own: places among this rank's rows of those inside, and of those in the border.
         own_places: places in `rows` of this rank's; beside: (k,) of those that its inside couples with.
+        number: of each column of this rank's rows, own ones and then those of others, its place in `inside`, or behind
+            these in `beside`; -1: none.
     """
 
-    def __init__(self, mat: PETSc.Mat, nodes: int = 0) -> None:
+    def __init__(self, mat: PETSc.Mat) -> None:
         first, last = mat.getOwnershipRange()
         world, count = mat.getComm().tompi4py(), last - first
         rows, columns, others = _kernels.couplings_of_ranks(mat.handle)
@@ -40,29 +41,31 @@ class RankBorder:
         place[count + found] = np.searchsorted(self.rows, others[found])
         in_border = np.flatnonzero((place >= 0) & (_kernels.met_by_inside(mat.handle, place) > 0))
         self.beside = np.unique(place[in_border])
-        number = np.full(len(place), -1, dtype=PETSc.IntType)
-        number[self.inside] = np.arange(len(self.inside))
-        number[in_border] = len(self.inside) + np.searchsorted(self.beside, place[in_border])
-        counts = len(self.inside), len(self.beside), nodes
-        self._starts, self._columns, self._entries = _kernels.bordered_pattern(mat.handle, number, *counts)
+        self.number = np.full(len(place), -1, dtype=PETSc.IntType)
+        self.number[self.inside] = np.arange(len(self.inside))
+        self.number[in_border] = len(self.inside) + np.searchsorted(self.beside, place[in_border])
         self._between = _kernels.between_ranks(mat.handle, place)
-        self._values: Reals = np.empty(len(self._columns))
+        self._local: tuple[Integers, Integers, Integers] | None = None
 
-    def local(self, mat: PETSc.Mat) -> tuple[Csr, bool]:
-        """The rows inside of a matrix on this pattern, with columns of the border behind; whether all are finite.
-
-        The border's own block is 0. With blocks of nodes its rows have what is inside in its columns, else nothing.
-        What was given before changes to it.
-        """
-        finite = _kernels.take_entries(mat.handle, self._entries, self._values)
-        return (self._starts, self._columns, self._values), finite
+    def local(self, mat: PETSc.Mat) -> Csr:
+        """The rows inside of a matrix on this pattern, with columns of the border behind, whose own block is 0."""
+        if self._local is None:
+            counts = len(self.inside), len(self.beside)
+            self._local = _kernels.bordered_pattern(mat.handle, self.number, *counts)
+        starts, columns, entries = self._local
+        return starts, columns, _taken(mat, entries)
 
     def between(self, mat: PETSc.Mat) -> tuple[Integers, Integers, Reals]:
         """Rows and columns, by places in `rows`, and entries of the border's own block in this rank's rows."""
         rows, columns, entries = self._between
-        values = np.empty(len(entries))
-        _kernels.take_entries(mat.handle, entries, values)
-        return rows, columns, values
+        return rows, columns, _taken(mat, entries)
+
+
+def _taken(mat: PETSc.Mat, entries: Integers) -> Reals:
+    """Entries (k,) of this rank's rows of a matrix, by their numbers."""
+    values = np.empty(len(entries))
+    _kernels.take_entries(mat.handle, entries, values)
+    return values
 
 
 def _cover(rows: Integers, columns: Integers, first: int, count: int, size: int, world: MPI.Comm) -> Flags:

@@ -5,6 +5,7 @@ import logging
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.interior_factor import InteriorFactor, first_rows, has_mumps, interior_factor
 from restshape.algebra.node_factors import DenseBorder, NodeInterior
 from restshape.algebra.rank_border import Csr, RankBorder
@@ -44,7 +45,7 @@ class SharedFactor:
         self._nodes, self._dense = nodes, DenseBorder()
         self._shifted: PETSc.Mat = None
         self._border: RankBorder | None = None
-        self._inside: InteriorFactor
+        self._inside: InteriorFactor | NodeInterior
 
     def forget(self) -> None:
         """Let go of the factor."""
@@ -70,17 +71,18 @@ class SharedFactor:
         """
         border = self._begin(stiffness) if self._border is None or self.stale_pattern else self._border
         matrix = self._shift(stiffness, mass, shift) if shift else stiffness
-        local, inside_finite = border.local(matrix)
-        between = border.between(matrix)
-        count = len(border.inside)
+        count, finite = len(border.inside), _kernels.finite_rows(matrix.handle)
         # Of numbers that are none no library promises an end.
-        finite = inside_finite and bool(np.isfinite(between[2]).all())
-        schur = self._inside.make(local) if count and finite else np.zeros(2 * (len(border.beside),))
-        if not self._nodes:
+        schur = np.zeros(2 * (len(border.beside),))
+        if isinstance(self._inside, NodeInterior):
+            schur = self._inside.make(matrix, border.number) if count and finite else schur
+        else:
+            local = border.local(matrix)
             self._beside = first_rows(local, count)[1]
+            schur = self._inside.make(local) if count and finite else schur
         why = "" if finite and not (count and self._inside.singular) else NO_FACTOR
         why = TOO_LARGE if count and finite and self._inside.too_large else why
-        below, self.nonzeros = self._factor_border(border, schur, between, why)
+        below, self.nonzeros = self._factor_border(border, schur, border.between(matrix), why)
         self.made = True
         return below
 
@@ -96,14 +98,14 @@ class SharedFactor:
     def _begin(self, stiffness: PETSc.Mat) -> RankBorder:
         """Take up another pattern; its border."""
         self.forget()
-        border = RankBorder(stiffness, self._nodes)
+        border = RankBorder(stiffness)
         if (m := len(border.rows)) > MOST_BORDER:
             what = f"{m:,} unknowns couple the parts of {stiffness.getComm().size} ranks"
             much = f"their factor would take {8e-9 * m * m:.1f} GB of the first rank"
             raise ReplayProblem(f"{what}, and {much}: start fewer ranks, or take a coarser mesh")
         self._border = border
         count, beside = len(border.inside), len(border.beside)
-        self._inside = NodeInterior(count, beside, self._nodes) if self._nodes else interior_factor(count, beside)
+        self._inside = NodeInterior(beside, self._nodes) if self._nodes else interior_factor(count, beside)
         self._world = stiffness.getComm().tompi4py()
         self.stale_pattern = False
         if not self._nodes and not has_mumps() and len(border.rows):
@@ -165,7 +167,7 @@ class SharedFactor:
         return int(np.count_nonzero(np.diagonal(self._factors)[single] < 0.0)) + pairs, zero != 0
 
     def solve_rows(self, rows: Reals) -> Reals:
-        """The inverse times each row (k, n), of which each rank has its columns; collective."""
+        """The inverse times each row (k, n), of which each rank has its columns, where rows are exchanged; collective."""
         border, found = made(self._border), np.empty_like(rows)
         right = np.zeros((len(rows), len(border.rows)))
         right[:, border.own_places] = rows[:, border.own]
@@ -183,7 +185,7 @@ class SharedFactor:
         border, found, inside = made(self._border), np.empty_like(row), self._inside
         right = np.zeros(len(border.rows))
         right[border.own_places] = row[border.own]
-        factor = inside.factor if isinstance(inside, NodeInterior) and inside.count else None
+        factor = inside.factor if isinstance(inside, NodeInterior) and len(border.inside) else None
         if factor:
             right[border.beside] += factor.eliminate(row[border.inside])
         at_border = self._solve_border(right[None])[0] if len(right) else right
@@ -193,7 +195,11 @@ class SharedFactor:
         return found
 
     def _solve_inside(self, rows: Reals) -> Reals:
-        return self._inside.solve(np.ascontiguousarray(rows)) if rows.size else np.zeros_like(rows)
+        if not rows.size:
+            return np.zeros_like(rows)
+        if isinstance(self._inside, NodeInterior):
+            raise RuntimeError("a factor in blocks of nodes solves by solve")
+        return self._inside.solve(np.ascontiguousarray(rows))
 
     def _solve_border(self, right: Reals) -> Reals:
         """The border's unknowns (k, m) of the sum of all ranks' right sides (k, m)."""

@@ -13,6 +13,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.errors import ReplayProblem, UserError
 from restshape.first_use import made
+from restshape.memory import give_back
 from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, MeshUpdate
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
@@ -522,6 +523,7 @@ class MovingMesh:
             self.state = replace(self.state, map=replace(made(self.state.map), extend=extend, Psi=Psi))
             if self.space:
                 self.space.set_gesture(None)
+        give_back(len(self.mesh.cells))
         stages["map"] = perf_counter() - start
 
     def _set_reference(self, gesture: Gesture | None, c: tuple[float, float]) -> None:

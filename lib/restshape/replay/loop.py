@@ -13,6 +13,7 @@ from restshape.algebra.newton_convergence import INDEFINITE
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.row_values import RowValues, whole
 from restshape.errors import ReplayProblem, UserError
+from restshape.memory import give_back
 from restshape.mesh.advance import MeshUpdate
 from restshape.replay.frame_errors import FrameErrors
 from restshape.replay.frame_log import log, log_frame, log_refused
@@ -97,6 +98,8 @@ class Replay:
             self._measure(edit, row)
             if whole(row, "level") > 1 or edit.change not in ("none", "move") or row["predicted"]:
                 clean_up(self.comm)
+            if row["level"] == 3:
+                give_back(whole(row, "elements"))
             self._hand_over(edit, row, start, end)
             yield row
 
