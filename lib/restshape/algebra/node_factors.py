@@ -9,7 +9,7 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.preconditioner import apply_to, free, order_factor
 from restshape.algebra.rank_border import Csr
-from restshape.arrays import Integers, Reals
+from restshape.arrays import Indices, Reals
 
 
 class BorderedFactor:
@@ -44,7 +44,7 @@ class BorderedFactor:
         self._pc.setUp()
         self._count()
 
-    def make_inside(self, mat: PETSc.Mat, number: Integers) -> None:
+    def make_inside(self, mat: PETSc.Mat, number: Indices) -> None:
         """Factor this rank's rows inside of a matrix that ranks share, and their border, without a copy of them.
 
         Args:
@@ -127,7 +127,7 @@ class NodeInterior:
         self.negative, self.singular, self.nonzeros = 0, False, 0.0
         self.factor = BorderedFactor(border, nodes)
 
-    def make(self, mat: PETSc.Mat, number: Integers) -> Reals:
+    def make(self, mat: PETSc.Mat, number: Indices) -> Reals:
         """Factor values on the pattern of before; the Schur complement (m, m) of the border, whose own block is 0.
 
         Args:

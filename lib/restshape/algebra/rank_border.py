@@ -5,9 +5,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.arrays import Flags, Integers, Reals
+from restshape.arrays import Flags, Indices, Integers, Reals
 
-Csr = tuple[Integers, Integers, Reals]
+Csr = tuple[Integers | Indices, Integers | Indices, Reals]
 """Starts (n + 1,), columns (k,) and entries (k,) of a sequential matrix by rows."""
 
 
@@ -45,7 +45,7 @@ class RankBorder:
         self.number[self.inside] = np.arange(len(self.inside))
         self.number[in_border] = len(self.inside) + np.searchsorted(self.beside, place[in_border])
         self._between = _kernels.between_ranks(mat.handle, place)
-        self._local: tuple[Integers, Integers, Integers] | None = None
+        self._local: tuple[Indices, Indices, Indices] | None = None
 
     def local(self, mat: PETSc.Mat) -> Csr:
         """The rows inside of a matrix on this pattern, with columns of the border behind, whose own block is 0."""
@@ -61,7 +61,7 @@ class RankBorder:
         return rows, columns, _taken(mat, entries)
 
 
-def _taken(mat: PETSc.Mat, entries: Integers) -> Reals:
+def _taken(mat: PETSc.Mat, entries: Indices) -> Reals:
     """Entries (k,) of this rank's rows of a matrix, by their numbers."""
     values = np.empty(len(entries))
     _kernels.take_entries(mat.handle, entries, values)
