@@ -235,7 +235,6 @@ class KeptPreconditioner:
             cycle_in_single(pc)
             if self.ranks > 1 and self.size.unknowns >= PRODUCTS_ROWS * self.ranks:
                 _kernels.forget_products(pc.handle)
-                _kernels.give_back_memory()
         pc.setReusePreconditioner(True)
         if self._paid:
             self.choice.outlay.refresh(self._paid.refresh)
