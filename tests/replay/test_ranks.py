@@ -1,6 +1,8 @@
 """Two ranks give what one rank gives."""
 
+import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,13 +18,19 @@ EVENTS = [
 ]
 
 
+def levels_of(table: Path) -> str:
+    """The level of each frame."""
+    with table.open() as file:
+        return "".join(row["level"] for row in csv.DictReader(file))
+
+
 @pytest.mark.parametrize("name", ["auto", "thesis", pytest.param("refactor", marks=pytest.mark.weekly)])
 def test_replay(tmp_path, on_ranks, name):
     scene, script = write_scene(tmp_path, plate(0.07)), write_script(tmp_path, EVENTS)
     found = []
     for ranks in (1, 2):
         words = ("--edits", script, "--policy", name, "--json", f"{ranks}.json", "--set", "solve.tolerance=1e-9")
-        done = on_ranks(ranks, "replay", scene, *words, "--parity")
+        done = on_ranks(ranks, "replay", scene, *words, "--parity", "--csv", f"{ranks}.csv")
         assert done.returncode == 0, done.stdout + done.stderr
         found.append(json.loads((tmp_path / f"{ranks}.json").read_text()))
     one, two = found
@@ -30,6 +38,10 @@ def test_replay(tmp_path, on_ranks, name):
     for key in ("frames", "refused", "levels", "unknowns", "elements"):
         assert one[key] == two[key], key
     assert one["refused"] == 1 and one["parity"]["holds"] and two["parity"]["holds"]
+    levels = [levels_of(tmp_path / f"{ranks}.csv") for ranks in (1, 2)]
+    assert levels[0] == levels[1]
+    # A new mesh in the frame after a flip.
+    assert "23" in levels[0] or name == "thesis"
     for quantity in one["quantities"]:
         pair = (np.array(run["quantities"][quantity], dtype=float) for run in (two, one))
         np.testing.assert_allclose(*pair, rtol=1e-5, err_msg=quantity)

@@ -118,7 +118,8 @@ void find_in_rows(NodeCholesky* c, const SharedRows& rows, const PetscInt* numbe
     const auto size = static_cast<std::size_t>(u.size);
     std::vector<PetscInt> row_of(found.start.size() - 1, -1);
     for (PetscInt row = 0; row < rows.count(); ++row)
-        if (number[row] >= 0 && number[row] < static_cast<PetscInt>(row_of.size()) - c->border) row_of[number[row]] = row;
+        if (number[row] >= 0 && number[row] < static_cast<PetscInt>(row_of.size()) - c->border)
+            row_of[number[row]] = row;
     c->first_part = rows.entries();
     c->second_length.assign(u.order.size(), 0);
     for (std::size_t k = 0; k < u.order.size(); ++k) {
@@ -291,7 +292,10 @@ PetscErrorCode numeric(Mat F, Mat A, const MatFactorInfo*) {
     const double* values;
     PetscFunctionBegin;
     PetscCall(MatSeqAIJGetArrayRead(A, &values));
-    PetscCall(within_memory(F, [&] { return make_numbers(F, [&](Elimination by) { return lay_out(F, A, by); }, values); }));
+    PetscCall(within_memory(F, [&] {
+        return make_numbers(
+            F, [&](Elimination by) { return lay_out(F, A, by); }, values);
+    }));
     PetscCall(MatSeqAIJRestoreArrayRead(A, &values));
     PetscFunctionReturn(0);
 }

@@ -50,10 +50,9 @@ class ScalarCholesky {
 
     // Makes the factor of a matrix with that pattern; false where a pivot is 0 or no number.
     bool factorise(const Matrix& lower) {
-        const double* stored = lower.valuePtr();
-        for (std::size_t j = 0; j < slot_.size(); ++j) upper_[j] = stored[slot_[j]];
         const auto n = static_cast<PetscInt>(lower.cols());
-        const StoredBlocks a{n, from_.data(), to_.data(), place_.data(), length_.data(), upper_.data()};
+        // Blocks of one number have one row: its length is read, and is of no use.
+        const StoredBlocks a{n, from_.data(), to_.data(), slot_.data(), slot_.data(), lower.valuePtr()};
         // Its workspace is of no use to substitutions.
         BlockFactor<1>().make(a, rows(), kept_);
         return std::all_of(value_.begin(), value_.begin() + n, [](double pivot) { return std::isfinite(pivot); });
@@ -173,20 +172,14 @@ class ScalarCholesky {
         each([&](PetscInt a, PetscInt b, PetscInt j) { entries[next[a]++] = {b, j}; });
         to_.resize(entries.size());
         slot_.resize(entries.size());
-        place_.resize(entries.size());
-        upper_.resize(entries.size());
-        length_.assign(n, 1);
         for (PetscInt k = 0; k < n; ++k) std::sort(entries.begin() + from_[k], entries.begin() + from_[k + 1]);
-        for (std::size_t j = 0; j < entries.size(); ++j) {
-            to_[j] = entries[j].first, slot_[j] = entries[j].second;
-            place_[j] = static_cast<PetscInt>(j);
-        }
+        for (std::size_t j = 0; j < entries.size(); ++j) to_[j] = entries[j].first, slot_[j] = entries[j].second;
     }
 
-    std::vector<PetscInt> place_of_;                           // of each unknown in the order
-    std::vector<PetscInt> from_, to_, slot_, place_, length_;  // the matrix in that order
-    std::vector<PetscInt> start_, column_;                     // the factor, its pivots first
-    std::vector<double> upper_, value_;
+    std::vector<PetscInt> place_of_;          // of each unknown in the order
+    std::vector<PetscInt> from_, to_, slot_;  // the matrix in that order, and where its entries are
+    std::vector<PetscInt> start_, column_;    // the factor, its pivots first
+    std::vector<double> value_;
     PetscInt kept_ = 0;
 };
 

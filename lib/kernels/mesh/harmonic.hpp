@@ -28,7 +28,8 @@ class HarmonicExtension {
         : node_count_(node_count),
           boundary_count_(boundary_count),
           border_count_(border_count),
-          cells_(cells, cells + 3 * cell_count),
+          X_(X, X + 2 * static_cast<std::size_t>(node_count)),
+          cells_(cells, cells + 3 * static_cast<std::size_t>(cell_count)),
           number_(node_count, 0),
           weights_(Eigen::VectorXd::Ones(cell_count)) {
         for (std::int32_t b = 0; b < boundary_count; ++b) number_[boundary[b]] = -1 - b;
@@ -37,8 +38,6 @@ class HarmonicExtension {
             if (number == 0) number = free_count_++;
         }
         for (std::int32_t b = 0; b < border_count; ++b) number_[border[b]] = free_count_++;
-        shapes_.resize(cell_count);
-        for (std::int32_t e = 0; e < cell_count; ++e) shapes_[e] = shape_of(X, cells + 3 * e);
         make_pattern();
         assemble();
         if (free_count_) factor_.analyse(stiffness_, border_count_);
@@ -98,16 +97,17 @@ class HarmonicExtension {
     // Weights each triangle by the size of a field's gradient in it, so that strain spreads away from where it gathers.
     // A linear field has one gradient everywhere, and is reproduced still. Gives the largest size.
     double weigh(const Eigen::Ref<const Rows>& field) {
-        for (std::size_t e = 0; e < shapes_.size(); ++e) {
+        for (std::size_t e = 0; e < triangles(); ++e) {
             const std::int32_t* n = cells_.data() + 3 * e;
+            const Shape shape = shape_of(e);
             double sum = 0.0;
             for (int i = 0; i < 3; ++i) {
                 const auto jump = field.row(n[(i + 1) % 3]) - field.row(n[(i + 2) % 3]);
-                sum += shapes_[e].half_cotangents[i] * jump.squaredNorm();
+                sum += shape.half_cotangents[i] * jump.squaredNorm();
             }
-            weights_[e] = std::sqrt(std::max(0.0, sum / shapes_[e].area));
+            weights_[e] = std::sqrt(std::max(0.0, sum / shape.area));
         }
-        return shapes_.empty() ? 0.0 : weights_.maxCoeff();
+        return cells_.empty() ? 0.0 : weights_.maxCoeff();
     }
 
     // Factorises with these weights over the largest one, of all parts.
@@ -128,7 +128,12 @@ class HarmonicExtension {
         double area;
     };
 
-    static Shape shape_of(const double* X, const std::int32_t* n) {
+    std::size_t triangles() const { return cells_.size() / 3; }
+
+    // Found again where it is wanted: kept ones would be as much as a third of the factor.
+    Shape shape_of(std::size_t e) const {
+        const std::int32_t* n = cells_.data() + 3 * e;
+        const double* X = X_.data();
         Shape shape{};
         for (int i = 0; i < 3; ++i) {
             const double *o = X + 2 * n[i], *a = X + 2 * n[(i + 1) % 3], *b = X + 2 * n[(i + 2) % 3];
@@ -176,7 +181,7 @@ class HarmonicExtension {
     void make_pattern() {
         std::vector<std::int32_t> first(free_count_ + 1, 0);
         const auto each_side = [this](auto&& visit) {
-            for (std::size_t e = 0; e < shapes_.size(); ++e) {
+            for (std::size_t e = 0; e < triangles(); ++e) {
                 for (int i = 0; i < 3; ++i) {
                     const auto [a, b] = ends(e, i);
                     if (a >= 0 && b >= 0) visit(static_cast<std::int32_t>(3 * e + i), std::min(a, b), std::max(a, b));
@@ -190,7 +195,7 @@ class HarmonicExtension {
         each_side([&](std::int32_t side, std::int32_t column, std::int32_t row) {
             sides[next[column]++] = {row, side};
         });
-        slots_.assign(3 * shapes_.size(), -1);
+        slots_.assign(cells_.size(), -1);
         stiffness_.resize(free_count_, free_count_);
         stiffness_.reserve(static_cast<Eigen::Index>(sides.size()) + free_count_);
         std::int32_t count = 0;
@@ -216,9 +221,10 @@ class HarmonicExtension {
         const auto* columns = stiffness_.outerIndexPtr();
         std::fill(values, values + stiffness_.nonZeros(), 0.0);
         pulls_.clear();
-        for (std::size_t e = 0; e < shapes_.size(); ++e) {
+        for (std::size_t e = 0; e < triangles(); ++e) {
+            const Shape shape = shape_of(e);
             for (int i = 0; i < 3; ++i) {
-                const double w = weights_[e] * shapes_[e].half_cotangents[i];
+                const double w = weights_[e] * shape.half_cotangents[i];
                 const auto [a, b] = ends(e, i);
                 if (a >= 0) values[columns[a]] += w;
                 if (b >= 0) values[columns[b]] += w;
@@ -237,8 +243,8 @@ class HarmonicExtension {
     }
 
     std::int32_t node_count_, boundary_count_, border_count_, free_count_ = 0;
+    std::vector<double> X_;
     std::vector<std::int32_t> cells_, number_;
-    std::vector<Shape> shapes_;
     Eigen::VectorXd weights_;
     std::vector<std::int32_t> slots_;  // of each cell's sides in the stiffness; -1: an end is at the boundary
     std::vector<Eigen::Triplet<double, std::int32_t>> pulls_;

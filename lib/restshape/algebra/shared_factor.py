@@ -167,7 +167,7 @@ class SharedFactor:
         return int(np.count_nonzero(np.diagonal(self._factors)[single] < 0.0)) + pairs, zero != 0
 
     def solve_rows(self, rows: Reals) -> Reals:
-        """The inverse times each row (k, n), of which each rank has its columns, where rows are exchanged; collective."""
+        """The inverse times each row (k, n), of which each rank has its columns; not in blocks of nodes; collective."""
         border, found = made(self._border), np.empty_like(rows)
         right = np.zeros((len(rows), len(border.rows)))
         right[:, border.own_places] = rows[:, border.own]
