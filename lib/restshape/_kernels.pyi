@@ -12,11 +12,13 @@ __all__: list[str] = [
     "HarmonicExtension",
     "MesherFailure",
     "NearPairs",
+    "OpenBlocks",
     "Operator",
     "OutlineCheck",
     "PatchRecovery",
     "PointRoom",
     "Sheet",
+    "Stage",
     "SurfaceSearch",
     "TriangleRoom",
     "Triangulation",
@@ -34,6 +36,7 @@ __all__: list[str] = [
     "combinations",
     "combine_rows",
     "complete_inside",
+    "conjugate_steps",
     "correct_around",
     "couplings_of_ranks",
     "curved_jacobian_bound",
@@ -58,11 +61,13 @@ __all__: list[str] = [
     "give_back_memory",
     "gmls",
     "grade_sizes",
+    "guess_step",
     "has_cgal",
     "hilbert_keys",
     "interpolate_rows",
     "inverted_cells",
     "keep_border",
+    "keep_step",
     "lacking_forces",
     "largest_norm",
     "largest_size",
@@ -78,6 +83,7 @@ __all__: list[str] = [
     "momenta",
     "move_and_check",
     "moved_cells",
+    "moved_points",
     "multiply_in_registers",
     "narrow_widths",
     "nested_vectors",
@@ -105,6 +111,7 @@ __all__: list[str] = [
     "relax_and_check",
     "remove_tractions",
     "reset_calls",
+    "residual_norm",
     "ridge_weights",
     "row_products",
     "same_bits",
@@ -485,6 +492,15 @@ class Operator:
         rhs: numpy.typing.NDArray[numpy.float64] | None = None,
         cells: typing.Annotated[numpy.typing.ArrayLike, numpy.int32] | None = None,
     ) -> None: ...
+    def add_sum(
+        self, terms: collections.abc.Sequence, rhs: numpy.typing.NDArray[numpy.float64] | None = None
+    ) -> None: ...
+    def assemble(
+        self,
+        terms: collections.abc.Sequence,
+        rhs: numpy.typing.NDArray[numpy.float64] | None = None,
+        kept: bool = False,
+    ) -> None: ...
     def begin(self, kept: bool = False) -> None: ...
     def end(self) -> None: ...
     def keep(self) -> None: ...
@@ -631,6 +647,18 @@ class OutlineCheck:
         self, c0: typing.SupportsFloat | typing.SupportsIndex, c1: typing.SupportsFloat | typing.SupportsIndex
     ) -> None: ...
 
+class OpenBlocks:
+    def __init__(self) -> None: ...
+
+class Stage:
+    def __enter__(self) -> None: ...
+    def __exit__(self, kind: typing.Any, error: typing.Any, trace: typing.Any) -> None: ...
+    def __init__(
+        self, name: str, seconds: dict, open: OpenBlocks, log: typing.SupportsInt | typing.SupportsIndex = -1
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+
 class PatchRecovery:
     def __call__(
         self,
@@ -723,6 +751,16 @@ def complete_inside(
     border: numpy.typing.NDArray[numpy.float64],
     inside: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
+def conjugate_steps(
+    mat: typing.SupportsInt | typing.SupportsIndex,
+    pc: typing.SupportsInt | typing.SupportsIndex,
+    right: numpy.typing.NDArray[numpy.float64],
+    out: numpy.typing.NDArray[numpy.float64],
+    known: typing.SupportsFloat | typing.SupportsIndex,
+    delay: typing.SupportsInt | typing.SupportsIndex,
+    enough: typing.SupportsFloat | typing.SupportsIndex,
+    most: typing.SupportsInt | typing.SupportsIndex,
+) -> bool: ...
 def correct_around(
     factor: typing.SupportsInt | typing.SupportsIndex,
     matrix: typing.SupportsInt | typing.SupportsIndex,
@@ -822,6 +860,14 @@ def grade_sizes(
     growth: typing.SupportsFloat | typing.SupportsIndex,
     coarsest: typing.SupportsFloat | typing.SupportsIndex,
 ) -> None: ...
+def guess_step(
+    forces: numpy.typing.NDArray[numpy.float64],
+    gram: numpy.typing.NDArray[numpy.float64],
+    ridge: typing.SupportsFloat | typing.SupportsIndex,
+    steps: numpy.typing.NDArray[numpy.float64],
+    products: numpy.typing.NDArray[numpy.float64],
+    guess: numpy.typing.NDArray[numpy.float64],
+) -> None: ...
 def hilbert_keys(
     points: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
 ) -> numpy.typing.NDArray[numpy.int64]: ...
@@ -840,6 +886,15 @@ def keep_border(
     factor: typing.SupportsInt | typing.SupportsIndex,
     unknowns: typing.SupportsInt | typing.SupportsIndex,
     fields: typing.SupportsInt | typing.SupportsIndex,
+) -> None: ...
+def keep_step(
+    now: numpy.typing.NDArray[numpy.float64],
+    before: numpy.typing.NDArray[numpy.float64],
+    products: numpy.typing.NDArray[numpy.float64],
+    place: typing.SupportsInt | typing.SupportsIndex,
+    steps: numpy.typing.NDArray[numpy.float64],
+    forces: numpy.typing.NDArray[numpy.float64],
+    gram: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def lacking_forces(
     old_X: numpy.typing.NDArray[numpy.float64],
@@ -929,6 +984,12 @@ def moved_cells(
     slack: typing.SupportsFloat | typing.SupportsIndex,
     before: numpy.typing.NDArray[numpy.float64],
 ) -> numpy.typing.NDArray[numpy.int64]: ...
+def moved_points(
+    reference: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    basis: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
+    along: typing.SupportsFloat | typing.SupportsIndex,
+    across: typing.SupportsFloat | typing.SupportsIndex,
+) -> numpy.typing.NDArray[numpy.float64]: ...
 def multiply_in_registers(mat: typing.SupportsInt | typing.SupportsIndex) -> None: ...
 def narrow_widths(
     points: numpy.typing.NDArray[numpy.float64],
@@ -1044,6 +1105,11 @@ def remove_tractions(
     nodal: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
 def reset_calls() -> None: ...
+def residual_norm(
+    mat: typing.SupportsInt | typing.SupportsIndex,
+    b: typing.SupportsInt | typing.SupportsIndex,
+    x: typing.SupportsInt | typing.SupportsIndex,
+) -> float: ...
 def ridge_weights(
     gram: numpy.typing.NDArray[numpy.float64],
     products: numpy.typing.NDArray[numpy.float64],
@@ -1170,9 +1236,7 @@ def weigh_state(
     stiff: numpy.typing.NDArray[numpy.float64],
     inert: numpy.typing.NDArray[numpy.float64],
 ) -> None: ...
-def weighted_sum(
-    weights: numpy.typing.NDArray[numpy.float64], rows: list, out: numpy.typing.NDArray[numpy.float64]
-) -> None: ...
+def weighted_sum(weights: list, rows: list, out: numpy.typing.NDArray[numpy.float64]) -> None: ...
 def with_points(
     values: typing.Annotated[numpy.typing.ArrayLike, numpy.float64],
     nodes: typing.Annotated[numpy.typing.ArrayLike, numpy.int32],

@@ -19,14 +19,14 @@ class WatchedStage(stages.Stage):
     def __enter__(self):
         watched = WatchedStage
         if not watched.depth:
-            watched.grown.append((tracemalloc.get_traced_memory()[1] - watched.before, watched.after, self._name))
+            watched.grown.append((tracemalloc.get_traced_memory()[1] - watched.before, watched.after, self.name))
         watched.depth += 1
         super().__enter__()
 
     def __exit__(self, *raised):
         super().__exit__(*raised)
         watched = WatchedStage
-        watched.depth, watched.after = watched.depth - 1, self._name
+        watched.depth, watched.after = watched.depth - 1, self.name
         watched.before = tracemalloc.get_traced_memory()[0]
         tracemalloc.reset_peak()
 

@@ -55,24 +55,27 @@ bool energy_products(intptr_t handle, const Reals& x, const Reals& b, const Real
     return true;
 }
 
-void weighted_sum(const Reals& weights, const py::list& rows, Reals out) {
-    constexpr py::ssize_t most = 16, strip = 512;  // numbers that stay in the first cache
-    const auto count = static_cast<py::ssize_t>(rows.size());
+void weighted_sum(const py::list& weights, const py::list& rows, Reals out) {
+    constexpr size_t most = 16;
+    constexpr py::ssize_t strip = 512;  // numbers that stay in the first cache
+    const size_t count = rows.size();
     if (weights.size() != count || count > most)
         throw std::invalid_argument("rows must be as many as weights, at most 16");
+    double weight[most];
     const double* from[most];
-    for (py::ssize_t k = 0; k < count; ++k) {
+    for (size_t k = 0; k < count; ++k) {
         const auto row = py::cast<Reals>(rows[k]);
         if (row.size() != out.size()) throw std::invalid_argument("rows must have the size of out");
         from[k] = row.data();
+        weight[k] = py::cast<double>(weights[k]);
     }
     double *to = out.mutable_data(), sum[strip];
     for (py::ssize_t start = 0; start < out.size(); start += strip) {
         const py::ssize_t size = std::min(strip, out.size() - start);
         std::fill(sum, sum + size, 0.0);
-        for (py::ssize_t k = 0; k < count; ++k) {
-            const double weight = weights.data()[k], *row = from[k] + start;
-            for (py::ssize_t i = 0; i < size; ++i) sum[i] += weight * row[i];
+        for (size_t k = 0; k < count; ++k) {
+            const double own = weight[k], *row = from[k] + start;
+            for (py::ssize_t i = 0; i < size; ++i) sum[i] += own * row[i];
         }
         std::copy(sum, sum + size, to + start);
     }
@@ -95,9 +98,9 @@ bool take_increment(const Reals& now, Reals last, Reals step) {
 }  // namespace
 
 void bind_increments(py::module_& m) {
-    m.def(
-        "weighted_sum", &weighted_sum, py::arg("weights").noconvert(), py::arg("rows"), py::arg("out").noconvert(),
-        "Writes the sum of at most 16 rows, arrays of one size, times weights (k,) to out, which may be one of them.");
+    m.def("weighted_sum", &weighted_sum, py::arg("weights"), py::arg("rows"), py::arg("out").noconvert(),
+          "Writes the sum of at most 16 rows, arrays of one size, times as many weights to out, which may be one of "
+          "them.");
     m.def("take_increment", &take_increment, py::arg("now").noconvert(), py::arg("last").noconvert(),
           py::arg("step").noconvert(),
           "Writes now - last to step, and then now to last, all of one size; whether a number has changed.");

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "algebra/matrix_rows.hpp"
+#include "algebra/ridge.hpp"
 
 namespace py = pybind11;
 using restshape::check;
@@ -226,9 +227,79 @@ bool matrix_products(intptr_t handle, const Reals& rows, Reals out) {
     return true;
 }
 
+void guess_step(const Reals& forces, const Reals& gram, double ridge, const Reals& steps, Reals products, Reals guess) {
+    const py::ssize_t kept = steps.ndim() == 2 ? steps.shape(0) : -1, n = kept > 0 ? steps.shape(1) : 0;
+    if (kept < 1 || forces.ndim() != 2 || forces.shape(0) != kept + 1 || gram.size() != kept * kept ||
+        products.size() != kept + 1 || guess.size() != n)
+        throw std::invalid_argument(
+            "steps must be (k, n), forces (k + 1, m), gram (k, k), products (k + 1,), guess (n,)");
+    const py::ssize_t rows = forces.shape(1);
+    // Views of what there is.
+    row_products(forces, Reals({py::ssize_t{1}, rows}, forces.data() + kept * rows, forces),
+                 Reals({kept + 1, py::ssize_t{1}}, products.mutable_data(), products));
+    std::vector<double> weights(kept), sum(n);
+    restshape::solve_with_ridge(gram.data(), products.data(), kept, ridge, weights.data());
+    combine<1>(weights.data(), kept, steps.data(), n, 0, n, sum.data(), false);
+    double* to = guess.mutable_data();
+    for (py::ssize_t i = 0; i < n; ++i) to[i] += sum[i];
+}
+
+void keep_step(const Reals& now, const Reals& before, const Reals& products, py::ssize_t place, Reals steps,
+               Reals forces, Reals gram) {
+    const py::ssize_t kept = steps.ndim() == 2 ? steps.shape(0) : -1, n = kept > 0 ? steps.shape(1) : 0;
+    if (kept < 1 || now.size() != n || before.size() != n || forces.ndim() != 2 || forces.shape(0) != kept + 1 ||
+        gram.size() != kept * kept || products.size() != kept + 1 || place < 0 || place >= kept)
+        throw std::invalid_argument("steps must be (k, n), now and before (n,), forces (k + 1, m), gram (k, k)");
+    const py::ssize_t rows = forces.shape(1);
+    double *step = steps.mutable_data() + place * n, *force = forces.mutable_data(), *products_of = gram.mutable_data();
+    for (py::ssize_t i = 0; i < n; ++i) step[i] = now.data()[i] - before.data()[i];
+    std::copy_n(force + kept * rows, rows, force + place * rows);
+    for (py::ssize_t k = 0; k < kept; ++k)
+        products_of[place * kept + k] = products_of[k * kept + place] = products.data()[k];
+    products_of[place * kept + place] = products.data()[kept];
+}
+
+// A vector like another one, which is made once and lives as long as that one does.
+Vec vector_beside(Vec vector) {
+    constexpr const char* name = "restshape_beside";
+    PetscObject known = nullptr;
+    check(PetscObjectQuery(reinterpret_cast<PetscObject>(vector), name, &known), "PetscObjectQuery");
+    if (known) return reinterpret_cast<Vec>(known);
+    Vec made = nullptr;
+    check(VecDuplicate(vector, &made), "VecDuplicate");
+    check(PetscObjectCompose(reinterpret_cast<PetscObject>(vector), name, reinterpret_cast<PetscObject>(made)),
+          "PetscObjectCompose");
+    check(VecDestroy(&made), "VecDestroy");
+    check(PetscObjectQuery(reinterpret_cast<PetscObject>(vector), name, &known), "PetscObjectQuery");
+    return reinterpret_cast<Vec>(known);
+}
+
+double residual_norm(intptr_t mat, intptr_t right, intptr_t solution) {
+    Vec b = reinterpret_cast<Vec>(right), rest = vector_beside(b);
+    check(MatMult(reinterpret_cast<Mat>(mat), reinterpret_cast<Vec>(solution), rest), "MatMult");
+    check(VecAYPX(rest, -1.0, b), "VecAYPX");
+    PetscReal norm = 0.0;
+    check(VecNorm(rest, NORM_2, &norm), "VecNorm");
+    return norm;
+}
+
 }  // namespace
 
 void bind_rows(py::module_& m) {
+    m.def("guess_step", &guess_step, py::arg("forces").noconvert(), py::arg("gram").noconvert(), py::arg("ridge"),
+          py::arg("steps").noconvert(), py::arg("products").noconvert(), py::arg("guess").noconvert(),
+          "Writes the products (k + 1,) of forces (k + 1, m) with the last of them, and adds to guess (n,) the steps "
+          "(k, n) "
+          "with the weights of (gram + ridge trace(gram)) w = products.");
+    m.def("keep_step", &keep_step, py::arg("now").noconvert(), py::arg("before").noconvert(),
+          py::arg("products").noconvert(), py::arg("place"), py::arg("steps").noconvert(),
+          py::arg("forces").noconvert(), py::arg("gram").noconvert(),
+          "Writes now - before (n,) to this place of steps (k, n), the last of forces (k + 1, m) to that of the "
+          "others, and "
+          "its products (k + 1,) with all to that of gram (k, k).");
+    m.def("residual_norm", &residual_norm, py::arg("mat"), py::arg("b"), py::arg("x"),
+          "The norm of b - A x, of handles of PETSc's matrix A and vectors; collective. The vector in which it is made "
+          "stays with b.");
     m.def("row_products", &row_products, py::arg("a").noconvert(), py::arg("b").noconvert(), py::arg("out").noconvert(),
           "Writes the scalar products (k, m) of rows a (k, n) with rows b (m, n).");
     m.def("combine_rows", &combine_rows, py::arg("weights").noconvert(), py::arg("rows").noconvert(),

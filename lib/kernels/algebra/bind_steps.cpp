@@ -7,40 +7,46 @@
 #include <stdexcept>
 #include <vector>
 
+#include "algebra/ridge.hpp"
+
 #pragma GCC optimize("fp-contract=off")
 
 namespace py = pybind11;
 using Reals = py::array_t<double, py::array::c_style>;
 
-namespace {
-
-// Solves (gram + shift) w = products, where the shift is `ridge` of the trace; 0 where that is 0.
-void ridge_weights(const Reals& gram, const Reals& products, double ridge, Reals out) {
-    const py::ssize_t k = gram.ndim() == 2 ? gram.shape(0) : -1;
-    if (k < 0 || gram.shape(1) != k || products.size() < k || out.size() != k)
-        throw std::invalid_argument("gram must be (k, k), products (k,) or longer, out (k,)");
-    const py::ssize_t wide = k + 1;
+void restshape::solve_with_ridge(const double* gram, const double* products, std::ptrdiff_t k, double ridge,
+                                 double* weights) {
+    const std::ptrdiff_t wide = k + 1;
     std::vector<double> rows(k * wide);
-    double trace = 0.0, *weights = out.mutable_data();
-    for (py::ssize_t i = 0; i < k; ++i) {
-        for (py::ssize_t j = 0; j < k; ++j) rows[i * wide + j] = gram.data()[i * k + j];
-        rows[i * wide + k] = products.data()[i];
+    double trace = 0.0;
+    for (std::ptrdiff_t i = 0; i < k; ++i) {
+        for (std::ptrdiff_t j = 0; j < k; ++j) rows[i * wide + j] = gram[i * k + j];
+        rows[i * wide + k] = products[i];
         trace += rows[i * wide + i];
     }
     const double shift = ridge * trace;
     std::fill(weights, weights + k, 0.0);
     if (shift == 0.0) return;
-    for (py::ssize_t i = 0; i < k; ++i) rows[i * wide + i] += shift;
-    for (py::ssize_t i = 0; i < k; ++i)
-        for (py::ssize_t below = i + 1; below < k; ++below) {
+    for (std::ptrdiff_t i = 0; i < k; ++i) rows[i * wide + i] += shift;
+    for (std::ptrdiff_t i = 0; i < k; ++i)
+        for (std::ptrdiff_t below = i + 1; below < k; ++below) {
             const double factor = rows[below * wide + i] / rows[i * wide + i];
-            for (py::ssize_t j = i + 1; j < wide; ++j) rows[below * wide + j] -= factor * rows[i * wide + j];
+            for (std::ptrdiff_t j = i + 1; j < wide; ++j) rows[below * wide + j] -= factor * rows[i * wide + j];
         }
-    for (py::ssize_t i = k; i-- > 0;) {
+    for (std::ptrdiff_t i = k; i-- > 0;) {
         double rest = 0.0;
-        for (py::ssize_t j = i + 1; j < k; ++j) rest += rows[i * wide + j] * weights[j];
+        for (std::ptrdiff_t j = i + 1; j < k; ++j) rest += rows[i * wide + j] * weights[j];
         weights[i] = (rows[i * wide + k] - rest) / rows[i * wide + i];
     }
+}
+
+namespace {
+
+void ridge_weights(const Reals& gram, const Reals& products, double ridge, Reals out) {
+    const py::ssize_t k = gram.ndim() == 2 ? gram.shape(0) : -1;
+    if (k < 0 || gram.shape(1) != k || products.size() < k || out.size() != k)
+        throw std::invalid_argument("gram must be (k, k), products (k,) or longer, out (k,)");
+    restshape::solve_with_ridge(gram.data(), products.data(), k, ridge, out.mutable_data());
 }
 
 // Weights of unknowns, rates and rates of rates in what a matrix is applied to.

@@ -5,6 +5,8 @@
 
 #include <optional>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "fem/operator.hpp"
 #include "require.hpp"
@@ -85,8 +87,9 @@ restshape::Term term_of(const Operator& op, const Element& e, const Doubles& x, 
     return {&e, x.data(), w, params.data(), each ? static_cast<int>(np) : 0, coef, residual_coef};
 }
 
-void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs,
-         const std::optional<Indices>& subset) {
+// Adds the terms of a block. Of a sum each tuple has the block before its element and X behind it, `skipped` items.
+void add_terms(Operator& op, int block, const Doubles& X, const std::vector<py::tuple>& parts, size_t skipped,
+               std::optional<Output>& rhs, const std::optional<Indices>& subset) {
     const Block& b = op.block(block);
     const py::ssize_t count = subset ? subset->size() : b.count;
     restshape::Terms terms{X.data(), rhs ? rhs->mutable_data() : nullptr, {}};
@@ -96,26 +99,67 @@ void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::
         terms.subset_count = static_cast<int>(count);
     }
     std::vector<Doubles> converted;  // copies live until the loop is done
-    for (py::handle part : parts) {
-        const auto given = py::cast<py::tuple>(part);
-        require(given.size() >= 4 && given.size() <= 6,
+    for (const py::tuple& given : parts) {
+        const size_t size = given.size() - skipped;
+        require(given.size() >= skipped && size >= 4 && size <= 6,
                 "a term is (element, x, params, coef[, residual_coef[, coefficients]])");
-        const auto& e = given[0].cast<const Element&>();
+        // X of a sum stands behind its element.
+        const auto at = [&](size_t k) { return py::object(given[k ? skipped + k : skipped ? 1 : 0]); };
+        const auto& e = at(0).cast<const Element&>();
         const py::ssize_t rows = b.geometry == b.dofs ? op.nodes() : X.size() / e.dim;
         require(X.size() == rows * e.dim && rows >= b.geometry_end,
                 e.name + " needs X of shape (" + std::to_string(std::max<py::ssize_t>(rows, b.geometry_end)) + ", " +
                     std::to_string(e.dim) + ")");
-        converted.push_back(given[1].cast<Doubles>());
-        converted.push_back(given[2].cast<Doubles>());
-        const bool has_coefficients = given.size() == 6 && !given[5].is_none();
-        converted.push_back(has_coefficients ? given[5].cast<Doubles>() : Doubles(0));
+        converted.push_back(at(1).cast<Doubles>());
+        converted.push_back(at(2).cast<Doubles>());
+        const bool has_coefficients = size == 6 && !at(5).is_none();
+        converted.push_back(has_coefficients ? at(5).cast<Doubles>() : Doubles(0));
         const Doubles* arrays = converted.data() + converted.size() - 3;
-        const double coef = given[3].cast<double>(), residual_coef = given.size() > 4 ? given[4].cast<double>() : coef;
+        const double coef = at(3).cast<double>(), residual_coef = size > 4 ? at(4).cast<double>() : coef;
         terms.list.push_back(term_of(op, e, arrays[0], arrays[1], coef, residual_coef, arrays[2], rows, count));
     }
     require(!rhs || (rhs->size() == static_cast<py::ssize_t>(op.nodes()) * op.fields() && rhs->writeable()),
             "rhs must be a writeable array of " + std::to_string(op.nodes() * op.fields()) + " numbers");
     op.add(block, terms);
+}
+
+void add(Operator& op, int block, const Doubles& X, const py::list& parts, std::optional<Output> rhs,
+         const std::optional<Indices>& subset) {
+    std::vector<py::tuple> terms;
+    for (py::handle part : parts) terms.push_back(py::cast<py::tuple>(part));
+    add_terms(op, block, X, terms, 0, rhs, subset);
+}
+
+// Terms of a block that follow one another on the same X are one sum of each cell.
+void add_sum(Operator& op, const py::sequence& terms, std::optional<Output> rhs) {
+    const size_t count = terms.size();
+    std::vector<py::tuple> parts;
+    for (size_t k = 0; k < count; ++k) {
+        parts.push_back(py::cast<py::tuple>(terms[k]));
+        const py::tuple& own = parts.front();
+        require(parts.back().size() > 2, "a term of a sum is (block, element, X, x, params, coef[, ...])");
+        if (k + 1 < count) {
+            const auto next = py::cast<py::tuple>(terms[k + 1]);
+            require(next.size() > 2, "a term of a sum is (block, element, X, x, params, coef[, ...])");
+            const bool whole = py::isinstance<py::int_>(own[0]) && py::isinstance<py::int_>(next[0]);
+            const bool same = whole ? own[0].equal(next[0]) : py::object(next[0]).is(own[0]);
+            if (same && py::object(next[2]).is(own[2])) continue;
+        }
+        const auto X = py::cast<Doubles>(own[2]);
+        if (py::isinstance<py::int_>(own[0])) {
+            add_terms(op, py::cast<int>(own[0]), X, parts, 2, rhs, std::nullopt);
+        } else {
+            const std::optional<Indices> cells = py::cast<Indices>(own[0].attr("cells"));
+            add_terms(op, py::cast<int>(own[0].attr("block")), X, parts, 2, rhs, cells);
+        }
+        parts.clear();
+    }
+}
+
+void assemble(Operator& op, const py::sequence& terms, std::optional<Output> rhs, bool kept) {
+    op.begin(kept);
+    add_sum(op, terms, std::move(rhs));
+    op.end();
 }
 
 // petsc4py's own constructor, which takes a reference; petsc4py publishes it as a capsule for C code.
@@ -181,6 +225,13 @@ void bind_operator(py::module_& m) {
              "sum of |coef * K_ii|, their rhs nothing. With cells (m,), which may name one more than once, these alone "
              "are "
              "assembled, and parameters have a row for each.")
+        .def("add_sum", &add_sum, py::arg("terms"), py::arg("rhs").noconvert() = py::none(),
+             "Adds terms (block, element, X, x, params, coef[, residual_coef[, coefficients]]) as `add` does; those of "
+             "a "
+             "block and one X that follow one another together. A block may be an object with its number, `block`, and "
+             "`cells` (m,).")
+        .def("assemble", &assemble, py::arg("terms"), py::arg("rhs").noconvert() = py::none(), py::arg("kept") = false,
+             "begin, add_sum and end in one call.")
         .def("end", &Operator::end, "Hands the values to PETSc.")
         .def_property_readonly("mat", &petsc4py_mat, "The matrix as a petsc4py Mat with a reference of its own.")
         .def_property_readonly(

@@ -1,4 +1,4 @@
-// Bindings of kernels on curves of straight pieces.
+// Bindings of kernels on curves of straight pieces, and of control points that follow a hand.
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
@@ -23,10 +23,25 @@ Reals distances(const Reals& points, const Reals& starts, const Reals& ends) {
     return out;
 }
 
+// Each sum is rounded, as those of whole arrays are.
+[[gnu::optimize("fp-contract=off")]] Reals moved_points(const Reals& reference, const Reals& basis, double along,
+                                                        double across) {
+    const py::ssize_t size = reference.size();
+    if (reference.ndim() != 2 || basis.size() != 2 * size)
+        throw std::invalid_argument("reference must be (k, d), basis (2, k, d)");
+    Reals out({reference.shape(0), reference.shape(1)});
+    const double *from = reference.data(), *first = basis.data(), *second = first + size;
+    double* to = out.mutable_data();
+    for (py::ssize_t i = 0; i < size; ++i) to[i] = from[i] + (along * first[i] + across * second[i]);
+    return out;
+}
+
 }  // namespace
 
 void bind_curves(py::module_& m) {
     m.def("distances", &distances, py::arg("points").noconvert(), py::arg("starts").noconvert(),
           py::arg("ends").noconvert(),
           "Distances (n,) of points (n, 2) from straight pieces between starts (m, 2) and ends (m, 2).");
+    m.def("moved_points", &moved_points, py::arg("reference"), py::arg("basis"), py::arg("along"), py::arg("across"),
+          "Points (k, d): reference + along basis[0] + across basis[1], of a basis (2, k, d).");
 }

@@ -97,6 +97,8 @@ class Choice:
         self.excluded: set[str] = set()
         self.systems, self.solves, self._since = 1.0, PRIOR_LIFE, 0
         self.uses, self.outlay = 1, Outlay()
+        # Of what was counted last: solves of a system follow one another.
+        self._counted: tuple[Candidate | None, Size | None, Iterations, float] = (None, None, Iterations(0.0), 1.0)
 
     def __call__(self, size: Size) -> Candidate:
         """The candidate of which a solve is expected to cost least; ties go to the first of the list."""
@@ -243,10 +245,12 @@ class Choice:
 
     def count(self, candidate: Candidate, size: Size, age: int, iterations: float) -> None:
         """Take in a solve with a preconditioner that was made `age` solves before."""
-        known = self._iterations_of(candidate, size)
+        if self._counted[0] is not candidate or self._counted[1] is not size:
+            self._counted = candidate, size, self._iterations_of(candidate, size), self._scale(candidate, size)
+        _, _, known, scale = self._counted
         if candidate.krylov:
             known.fade()
-        known.count(age, iterations / self._scale(candidate, size))
+        known.count(age, iterations / scale)
         self._since += 1
         self.solves += 1.0
 

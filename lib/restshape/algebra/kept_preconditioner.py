@@ -109,7 +109,7 @@ class KeptPreconditioner:
     @property
     def exact(self) -> bool:
         """Whether it is a complete factor of the whole matrix."""
-        return self.complete and (self.ranks == 1 or self.exchanges or self._shared is not None)
+        return self.kind in COMPLETE and (self.ranks == 1 or self.exchanges or self._shared is not None)
 
     @property
     def may_exchange(self) -> bool:

@@ -74,6 +74,7 @@ class LinearSolver:
 
     Attributes:
         kept: the preconditioner; refresh: the criterion of when it is made again.
+        keeps: an old preconditioner serves until a new one pays; takes_guess: solves start from a guess.
         age: solves since it was made; callers add frames that solve nothing to it.
         counts: of all solves so far.
         on_solve: called with matrix, right side, guess, whether the system is new, and places, before each solve.
@@ -102,6 +103,8 @@ class LinearSolver:
         self.comm, self.method, self.tolerance, self.stages, self.traits = comm, method, tolerance, stages, traits
         self.ksp = PETSc.KSP().create(comm)
         self.ksp.setOptionsPrefix(prefix)
+        # An old preconditioner serves until a new one pays; a complete factor of the very matrix takes no guess.
+        self.keeps, self.takes_guess = method in ("stale", "auto"), method != "direct" or comm.size > 1
         self._set_iteration()
         self.kept = KeptPreconditioner(self.ksp, Choice(calibration, memory, traits), traits, self._named(), method)
         self.ksp.setFromOptions()
@@ -118,6 +121,7 @@ class LinearSolver:
         self.scale: float | None = None
         self.decades = DECADES
         self._aimed: tuple[float | None, float] = (None, tolerance)
+        self._most = 0
 
     @property
     def name(self) -> str:
@@ -141,19 +145,9 @@ class LinearSolver:
             return self.tolerance
         return (INCOMPLETE_FLOW if self.kept.may_exchange else INCOMPLETE) * self.tolerance
 
-    @property
-    def takes_guess(self) -> bool:
-        """Whether a solve starts from a guess; a complete factor of the very matrix does not."""
-        return self.method != "direct" or self.comm.size > 1
-
     def starts_from_guess(self, mat: PETSc.Mat) -> bool:
         """Whether the first solve of a new system with such a matrix does; a complete factor is of that very one."""
         return self.takes_guess and not (self.keeps and self.kept.foresees_inverse(mat))
-
-    @property
-    def keeps(self) -> bool:
-        """Whether an old preconditioner serves until a new one pays."""
-        return self.method in ("stale", "auto")
 
     def _set_iteration(self) -> None:
         """Set what iterates, and what ends it."""
@@ -223,7 +217,7 @@ class LinearSolver:
         if self.projection and self.projection.pays and not auxiliary:
             with self.stages("krylov"):
                 self.projection.keep(x)
-        return self._reported(LinearReport(iterations, refreshed, self.age, self.name))
+        return self._reported(LinearReport(iterations, refreshed, self.age, self.kept.name))
 
     def _weigh(self, b: PETSc.Vec) -> None:
         """Take in how much smaller a solve from the guess 0 is to make a residual: iterations are about as many."""
@@ -469,6 +463,8 @@ class LinearSolver:
             iterations = last = self._apply_new(b, x)
         else:
             iterations = last = self._iterate(b, x, uses if stale and self.keeps else 0)
+        if self.ksp.getConvergedReason() >= 0:
+            return iterations, last, not stale
         while self.ksp.getConvergedReason() < 0 and self._try_again(stale):
             self._give_up(x, last, uses, stale)
             stale = False
@@ -483,7 +479,9 @@ class LinearSolver:
         """Iterations of one run of the Krylov method, cut short when a refresh would have been cheaper for the uses."""
         if self.keeps:
             most = self.refresh.limit(self.kept.complete, uses) if uses else MOST_ITERATIONS
-            self.ksp.setTolerances(max_it=most)
+            if most != self._most:
+                self.ksp.setTolerances(max_it=most)
+                self._most = most
         self._aim()
         if self.kept.has_no_factor():
             self.ksp.setConvergedReason(Reason.DIVERGED_PCSETUP_FAILED)
@@ -497,20 +495,20 @@ class LinearSolver:
             bad = not true_residual(self.ksp.getOperators()[0], b, x) <= INACCURATE if alone else iterations > FRESH
             if bad:
                 self.ksp.setConvergedReason(Reason.DIVERGED_BREAKDOWN)
-        self._log_solve(iterations)
+        if log.isEnabledFor(logging.DEBUG):
+            self._log_solve(iterations)
         return iterations
 
     def _log_solve(self, iterations: int) -> None:
         """Log how a solve ended, in PETSc's words."""
-        if log.isEnabledFor(logging.DEBUG):
-            reason = self.ksp.getConvergedReason()
-            log.debug(
-                "Linear %s solve %s due to %s iterations %d",
-                self.ksp.getOptionsPrefix(),
-                "converged" if reason > 0 else "did not converge",
-                REASONS.get(reason, reason),
-                iterations,
-            )
+        reason = self.ksp.getConvergedReason()
+        log.debug(
+            "Linear %s solve %s due to %s iterations %d",
+            self.ksp.getOptionsPrefix(),
+            "converged" if reason > 0 else "did not converge",
+            REASONS.get(reason, reason),
+            iterations,
+        )
 
     def _try_again(self, stale: bool) -> bool:
         """Whether, after a failure, another preconditioner is left: a fresh one, or one of another kind."""

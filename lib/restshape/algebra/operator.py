@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 
 import numpy as np
 from petsc4py import PETSc
@@ -103,7 +102,7 @@ class Operator:
     def keep(self, terms: Sequence[MatrixTerm]) -> None:
         """Note the matrix of terms that stay, for `assemble` to start from; flips and new constraints forget it."""
         self.core.begin()
-        self._add(terms, None)
+        self.core.add_sum(terms, None)
         self.core.keep()
         self.core.end()
 
@@ -114,9 +113,7 @@ class Operator:
         `kept` the matrix contains what `keep` has noted, and rhs nothing of it.
         """
         self.version += 1
-        self.core.begin(kept)
-        self._add(terms, rhs)
-        self.core.end()
+        self.core.assemble(terms, rhs, kept)
         if self.core.generation != self._generation:
             self._generation = self.core.generation
             self.mat = self.core.mat
@@ -127,10 +124,3 @@ class Operator:
             elif not self.definite:
                 self.mat.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return self.mat
-
-    def _add(self, terms: Sequence[MatrixTerm], rhs: Reals | None) -> None:
-        for _, group in groupby(terms, key=lambda term: (term[0], id(term[2]))):
-            parts = list(group)
-            block, _, X, *_ = parts[0]
-            number, cells = (block.block, block.cells) if isinstance(block, CellSubset) else (block, None)
-            self.core.add(number, X, [(element, *rest) for _, element, _, *rest in parts], rhs, cells)

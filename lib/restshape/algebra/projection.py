@@ -50,7 +50,7 @@ class Projection:
         weights = np.linalg.solve(gram, right / scale) / scale
         if np.isfinite(weights).all():
             now = x.getArray()
-            _kernels.weighted_sum(np.append(weights, 1.0), [*steps, now], now)
+            _kernels.weighted_sum([*weights, 1.0], [*steps, now], now)
             x.stateIncrease()
 
     def _energies(self, mat: PETSc.Mat, b: PETSc.Vec, x: PETSc.Vec, steps: Reals) -> tuple[Reals, Reals]:

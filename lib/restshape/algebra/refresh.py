@@ -6,8 +6,9 @@ from restshape.algebra.prices import Prices
 
 MOST_AHEAD = 15
 """Refreshes ahead in a row, before an old preconditioner is tried again."""
-SLACK, TRIAL = 0.01, 1.5
-"""Part, and refreshes, that old preconditioners may cost beyond a new one for each solve before none is tried."""
+TRIAL, SLACK, SHORT = 1.5, 0.01, 50
+"""What old preconditioners may cost beyond a new one for each solve before none is tried: so many refreshes, and so
+large a part of what comes after as many of them, with which a long replay goes back to old ones."""
 
 
 class RefreshCriterion:
@@ -18,7 +19,8 @@ class RefreshCriterion:
 
     Where matrices change so much that already the next one costs as much as a refresh, some are made ahead: 1 after
     such a trial, then 3, 7 and `MOST_AHEAD` after as many in a row. Nor is an old one tried as long as solves of one
-    use, of the whole replay, have cost more than `SLACK` and `TRIAL` refreshes beyond what a new one for each would.
+    use, of the whole replay, have cost more than `TRIAL` refreshes beyond what a new one for each would, and the part
+    `SLACK` of that once it is more than `SHORT` refreshes.
 
     Args:
         most: iterations of a solve.
@@ -67,7 +69,8 @@ class RefreshCriterion:
                 them one iteration at least, for a fresh factor is applied without any.
         """
         expected = known * max(1, self.last_extra) if known > 1 else self.last_extra / 2
-        behind = known == 1 and self.spent > (1.0 + SLACK) * self.fresh + TRIAL * self.break_even
+        long = max(0.0, self.fresh - SHORT * self.break_even)
+        behind = known == 1 and self.spent > self.fresh + SLACK * long + TRIAL * self.break_even
         return behind or self.ahead > 0 or self.extra_iterations + expected >= self.break_even
 
     def limit(self, complete: bool, known: int = 1) -> int:
@@ -111,17 +114,19 @@ class RefreshCriterion:
         """
         if refreshed:
             self.fresh_iterations = 1 if complete else max(1, iterations / self.weight)
+        fresh = self._fresh
         if known == 1:
             # A new complete factor is applied, without a product.
             new = self.break_even - (self.product if complete else 0.0)
             self.spent += iterations + (new if refreshed else 0.0)
-            self.fresh += self._fresh + new
+            self.fresh += fresh + new
         if refreshed:
             return
         if self.uses == 1 and not complete:
             # The guess on a new mesh is worse than those that follow it.
             self.fresh_iterations = max(1, min(self.fresh_iterations, iterations / self.weight))
-        self.last_extra = max(0, iterations - self._fresh)
+            fresh = self._fresh
+        self.last_extra = max(0, iterations - fresh)
         if self.uses == 1:
             self._try(in_vain=self.last_extra >= self.break_even)
         self.extra_iterations += self.last_extra

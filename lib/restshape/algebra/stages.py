@@ -1,10 +1,10 @@
 """Where the time of a frame goes: named stages, each also a log stage of PETSc."""
 
 from collections.abc import Callable
-from time import perf_counter
-from types import TracebackType
 
 from petsc4py import PETSc
+
+from restshape._kernels import OpenBlocks, Stage
 
 LOGGED = ("pattern", "values", "factor", "krylov")
 """Those that are log stages of PETSc."""
@@ -32,15 +32,14 @@ class Stages:
     def __init__(self, owner: str = OWNER) -> None:
         self.listener: Callable[[str], None] | None = None
         self.seconds = dict.fromkeys(NAMES, 0.0)
-        self._within: list[float] = []
-        logged = {name: log_stage(name, owner) for name in LOGGED}
-        self._stages = {name: Stage(name, self.seconds, self._within, logged.get(name)) for name in NAMES}
+        logged, blocks = {name: log_stage(name, owner).id for name in LOGGED}, OpenBlocks()
+        self._stages = {name: Stage(name, self.seconds, blocks, logged.get(name, -1)) for name in NAMES}
 
     def reset(self) -> None:
         """Set all stages to zero."""
         self.seconds.update(ZERO)
 
-    def __call__(self, name: str) -> "Stage":
+    def __call__(self, name: str) -> Stage:
         """Count the time of a `with` block as stage `name`."""
         if self.listener is not None:
             self.listener(name)
@@ -48,38 +47,3 @@ class Stages:
 
 
 ZERO = dict.fromkeys(NAMES, 0.0)
-
-
-class Stage:
-    """Counts the time of `with` blocks, also of such a block within another one.
-
-    Args:
-        name: of the stage.
-        seconds: of all stages, which it adds to.
-        within: seconds of the stages inside each open block of any stage.
-        log: PETSc's log stage, if it has one.
-    """
-
-    __slots__ = ("_log", "_name", "_seconds", "_starts", "_within")
-
-    def __init__(
-        self, name: str, seconds: dict[str, float], within: list[float], log: PETSc.LogStage | None = None
-    ) -> None:
-        self._name, self._seconds, self._within, self._log = name, seconds, within, log
-        self._starts: list[float] = []
-
-    def __enter__(self) -> None:
-        if self._log is not None:
-            self._log.push()
-        self._within.append(0.0)
-        self._starts.append(perf_counter())
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        taken = perf_counter() - self._starts.pop()
-        self._seconds[self._name] += taken - self._within.pop()
-        if self._within:
-            self._within[-1] += taken
-        if self._log is not None:
-            self._log.pop()

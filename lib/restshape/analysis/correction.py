@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
+from restshape import _kernels
 from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.row_share import RowShare
@@ -66,7 +67,8 @@ def conjugate_steps(
     that very matrix takes one step more than the delay. Not a number where the most steps are not enough.
     Without a delay the last step is the preconditioned residual, which foresees its gain and takes no product.
 
-    Where both are `RowOperation`s, ranks take the steps of their own rows alone; products are summed in their order.
+    Where both are `RowOperation`s, ranks take the steps of their own rows alone; products are summed in their order. On
+    one rank those of a matrix and the kept preconditioner are taken without Python.
 
     Args:
         product: of a symmetric positive definite matrix with (n,).
@@ -79,13 +81,22 @@ def conjugate_steps(
     Source: docs/theory/error-estimates.md; Hestenes and Stiefel, J. Res. Natl. Bur. Stand. 49 (1952) 409; Strakos and
     Tichy, Electron. Trans. Numer. Anal. 13 (2002) 56.
     """
-    if isinstance(product, RowOperation) and isinstance(precondition, RowOperation) and product.comm.size > 1:
-        # Each rank takes the steps of its own rows.
-        n, rows, share = len(residual), product.rows, RowShare(product.comm, product.rows, len(residual))
-        own = _Steps(lambda d: product.own(d, n), lambda r: precondition.own(r, n), share)
-        found = np.empty(n)
-        found[rows] = own(residual[rows], known, delay, enough)
-        return gather_vector(found, rows, product.comm)
+    n = len(residual)
+    if isinstance(product, RowOperation) and isinstance(precondition, RowOperation):
+        if product.comm.size > 1:
+            # Each rank takes the steps of its own rows.
+            rows, share = product.rows, RowShare(product.comm, product.rows, n)
+            own = _Steps(lambda d: product.own(d, n), lambda r: precondition.own(r, n), share)
+            found = np.empty(n)
+            found[rows] = own(residual[rows], known, delay, enough)
+            return gather_vector(found, rows, product.comm)
+        handles = product.handle_for(n), precondition.handle_for(n)
+        if all(handles):
+            found = np.empty(n)
+            solved = _kernels.conjugate_steps(
+                *handles, np.ascontiguousarray(residual), found, known, delay, enough, MOST
+            )
+            return found if solved else np.full(n, np.nan)
     return _Steps(product, precondition, None)(residual, known, delay, enough)
 
 
@@ -142,10 +153,13 @@ class RowOperation:
         apply: from the first to the second vector.
         rows: this rank's.
         comm: of the vectors, which are made once: n is the same at each call.
+        handle: of PETSc's matrix or preconditioner that is applied; 0: there is none.
     """
 
-    def __init__(self, apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: PETSc.Comm) -> None:
-        self.rows, self.comm, self._apply = rows, comm, apply
+    def __init__(
+        self, apply: Callable[[PETSc.Vec, PETSc.Vec], None], rows: slice, comm: PETSc.Comm, handle: int = 0
+    ) -> None:
+        self.rows, self.comm, self._apply, self._handle = rows, comm, apply, handle
         self._vectors: tuple[PETSc.Vec, ...] = ()
         self._arrays: tuple[np.ndarray, ...] = ()
 
@@ -171,6 +185,15 @@ class RowOperation:
         self._apply(source, target)
         return self._arrays[1].copy()
 
+    def handle_for(self, n: int) -> int:
+        """Of PETSc's object that is applied to arrays (n,); 0 where there is none."""
+        return self._handle
+
+
+def matrix_product(mat: PETSc.Mat, rows: slice, comm: PETSc.Comm) -> RowOperation:
+    """The product with a matrix of this communicator, of which this rank has these rows."""
+    return RowOperation(mat.mult, rows, comm, mat.handle)
+
 
 class KeptOperation(RowOperation):
     """The preconditioner of the last solve, as it is.
@@ -182,12 +205,17 @@ class KeptOperation(RowOperation):
     """
 
     def __init__(self, solver: LinearSolver, rows: slice) -> None:
-        super().__init__(solver.ksp.getPC().apply, rows, solver.comm)
+        pc = solver.ksp.getPC()
+        super().__init__(pc.apply, rows, solver.comm, pc.handle)
         self._kept = solver.kept
 
     def own(self, r: np.ndarray, n: int) -> np.ndarray:
         """This rank's rows; see `RowOperation`."""
-        return super().own(r, n) if self._kept.ready and self._kept.size.unknowns == n else r.copy()
+        return super().own(r, n) if self.handle_for(n) else r.copy()
+
+    def handle_for(self, n: int) -> int:
+        """That of the preconditioner; see `RowOperation`."""
+        return super().handle_for(n) if self._kept.ready and self._kept.size.unknowns == n else 0
 
 
 def largest_values(a: np.ndarray, b: np.ndarray, count: int) -> np.ndarray:

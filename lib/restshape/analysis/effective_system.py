@@ -109,7 +109,10 @@ class EffectiveSystem:
         stiffness, mass = self.body.problem.integrals(STIFFNESS), self.body.mass.integrals
         terms = [part.term(products.stiff, weights.of_stiffness, -1.0) for part in stiffness]
         terms += [part.term(products.inert, weights.of_mass, -1.0) for part in mass]
-        self.mat = self.operator.assemble(sorted(terms, key=_block), self.right.ravel())
+        if len(terms) > 2:
+            # Terms of a block are summed together where they follow one another.
+            terms.sort(key=_block)
+        self.mat = self.operator.assemble(terms, self.right.ravel())
         self.b.stateIncrease()
         products.version = None
 
@@ -128,9 +131,9 @@ class EffectiveSystem:
             self.right -= products.uniform(self.body) * base_acceleration
         self.b.stateIncrease()
 
-    def force(self) -> np.ndarray:
-        """This rank's rows of b - A `full`: the force of the increment that is sought; valid until the next call."""
-        return self._products.force(self.mat, self.solution, self.right.ravel()[self.rows])
+    def force(self, out: np.ndarray) -> None:
+        """Set `out` to this rank's rows of b - A `full`: the force of the increment that is sought."""
+        self._products.force(self.mat, self.solution, self.right.ravel()[self.rows], out)
 
     def residual(self) -> float:
         """The true residual of the last solve over its right side; as it is where that is 0; collective."""
@@ -194,7 +197,7 @@ class StepProducts:
         self._force.aypx(-1.0, b)
         return float(self._force.norm())
 
-    def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray) -> np.ndarray:
-        """own_b - mat solution, of this rank's rows."""
+    def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray, out: np.ndarray) -> None:
+        """Set `out` to own_b - mat solution, of this rank's rows."""
         mat.mult(solution, self._force)
-        return np.subtract(own_b, self._own_force, out=self._own_force)
+        np.subtract(own_b, self._own_force, out=out)

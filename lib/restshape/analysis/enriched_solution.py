@@ -12,7 +12,7 @@ from restshape.algebra.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.lone_factor import LoneFactor
 from restshape.algebra.preconditioner import free
-from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
+from restshape.analysis.correction import KeptOperation, conjugate_steps, matrix_product
 from restshape.analysis.linear_system import LinearSystem
 from restshape.errors import ReplayProblem
 from restshape.fem.assembled import Assembled
@@ -82,7 +82,7 @@ class EnrichedSystem:
         diagonal = np.zeros(start.size)
         diagonal[system.rows] = matrix.getDiagonal().array
         gather_vector(diagonal, system.rows, system.comm)
-        product = RowOperation(matrix.mult, system.rows, system.comm)
+        product = matrix_product(matrix, system.rows, system.comm)
         begun, left, known = self._begun(product, residual.ravel(), geometry)
         missing = begun + conjugate_steps(product, self._two_levels(diagonal, free), left, known)
         self._before = geometry, missing

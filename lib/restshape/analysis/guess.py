@@ -35,7 +35,7 @@ class Guess:
         if len(terms) == 1 and terms[0][0] == 1.0:
             return x
         found = np.empty_like(x)
-        _kernels.weighted_sum(np.array([weight for weight, _ in terms]), [field for _, field in terms], found)
+        _kernels.weighted_sum([weight for weight, _ in terms], [field for _, field in terms], found)
         return found
 
     def terms(self, x: np.ndarray, hand: tuple[object, tuple[float, float]]) -> list[tuple[float, np.ndarray]]:

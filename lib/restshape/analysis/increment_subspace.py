@@ -20,26 +20,30 @@ class IncrementProjection:
         size: unknowns of an increment.
         rows: how many of them this rank has the forces of.
         comm: PETSc communicator.
+
+    Attributes:
+        next_force: (rows,) where the force of the next increment is put.
     """
 
     def __init__(self, size: int, rows: int, comm: PETSc.Comm) -> None:
         self.world = comm.tompi4py() if comm.size > 1 else None
         self.steps, self.forces = np.zeros((KEPT, size)), np.zeros((KEPT + 1, rows))
         self.gram, self._weights = np.zeros((KEPT, KEPT)), np.zeros((1, KEPT))
+        self.products = np.zeros(KEPT + 1)
+        self.next_force: np.ndarray = self.forces[KEPT]
         self.count = 0
 
-    def __call__(self, force: np.ndarray) -> np.ndarray:
-        """The guess (size,) for this rank's rows of a force g; collective."""
-        self.forces[KEPT] = force
-        products = row_products(self.forces, self.forces[KEPT:])[:, 0]
-        self.products = products if self.world is None else self.world.allreduce(products)
+    def add_to(self, guess: np.ndarray) -> None:
+        """Add to `guess` (size,) what is foreseen for this rank's rows of `next_force`; collective."""
+        if self.world is None:
+            _kernels.guess_step(self.forces, self.gram, RIDGE, self.steps, self.products, guess)
+            return
+        self.products[:] = self.world.allreduce(row_products(self.forces, self.forces[KEPT:])[:, 0])
         _kernels.ridge_weights(self.gram, self.products, RIDGE, self._weights)
-        return combined(self._weights, self.steps)[0]
+        guess += combined(self._weights, self.steps)[0]
 
-    def keep(self, step: np.ndarray) -> None:
-        """Remember the increment (size,) that the last force led to."""
+    def keep(self, now: np.ndarray, before: np.ndarray) -> None:
+        """Remember the increment, from `before` to `now` (n, f), that the last force led to."""
         place = self.count % KEPT
-        self.steps[place], self.forces[place] = step, self.forces[KEPT]
-        self.gram[place] = self.gram[:, place] = self.products[:KEPT]
-        self.gram[place, place] = self.products[KEPT]
+        _kernels.keep_step(now, before, self.products, place, self.steps, self.forces, self.gram)
         self.count += 1

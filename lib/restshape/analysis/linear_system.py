@@ -70,10 +70,14 @@ class LinearSystem:
         """
         # PETSc keeps a vector's norm until it is notified that the array behind it has changed.
         self.b.stateIncrease()
-        rows = slice(0, self.full.size) if boundary.nonzero else self.rows
-        terms = [*terms, (-1.0, boundary.values)] if boundary.nonzero else terms
-        fields = [field.ravel()[rows] for _, field in terms]
-        _kernels.weighted_sum(np.array([weight for weight, _ in terms], dtype=float), fields, self.full[rows])
+        rows = self.rows
+        if boundary.nonzero:
+            rows, terms = slice(0, self.full.size), [*terms, (-1.0, boundary.values)]
+        weights, fields = [weight for weight, _ in terms], [field for _, field in terms]
+        if rows.stop - rows.start == self.full.size:
+            _kernels.weighted_sum(weights, fields, self.full)
+        else:
+            _kernels.weighted_sum(weights, [field.ravel()[rows] for field in fields], self.full[rows])
         self.full[boundary.constrained] = 0.0
         if self.b.norm() == 0.0:
             # From another guess an iteration would leave rounding, in which buckling would look for modes.
@@ -86,7 +90,8 @@ class LinearSystem:
 
     def unknowns(self, boundary: Dirichlet) -> np.ndarray:
         """The unknowns (n, f), prescribed ones included, of which each rank has solved for its own; collective."""
-        self.gather()
+        if self.comm.size > 1:
+            self.gather()
         return self.with_prescribed(boundary)
 
     def with_prescribed(self, boundary: Dirichlet) -> np.ndarray:
@@ -95,7 +100,7 @@ class LinearSystem:
         if not boundary.nonzero:
             return self.full.reshape(values.shape).copy()
         found = np.empty(values.shape)
-        _kernels.weighted_sum(np.ones(2), [self.full, values], found)
+        _kernels.weighted_sum([1.0, 1.0], [self.full, values], found)
         return found
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.analysis.correction import KeptOperation, RowOperation, conjugate_steps
+from restshape.analysis.correction import KeptOperation, conjugate_steps, matrix_product
 from restshape.analysis.enriched_errors import EnrichedErrors
 from restshape.fem.derivative import Differentiable
 from restshape.fem.quantity_error import CurvedProblem, quantity_error
@@ -75,7 +75,7 @@ class SteadyQuantityErrors:
         that frames are what they are without it.
         """
         system, solver = self.analysis.state.system, self.analysis.solver
-        product = RowOperation(made(system.mat).mult, system.rows, system.comm)
+        product = matrix_product(made(system.mat), system.rows, system.comm)
         on, before = self._duals.get(name, (None, rhs))
         residual, start = rhs.ravel(), np.zeros(rhs.size)
         known = 0.0

@@ -17,7 +17,7 @@ from restshape.algebra.weak_calls import weak_call
 from restshape.analysis.analysis import Comparison, Context, RowValues, State, Timeless
 from restshape.analysis.beside import solution_beside
 from restshape.analysis.comparison import compared
-from restshape.analysis.correction import KeptOperation, RowOperation, correction
+from restshape.analysis.correction import KeptOperation, correction, matrix_product
 from restshape.analysis.equilibrium_search import ROUND_OFF, SCALE_SLACK
 from restshape.analysis.frame import Frame
 from restshape.analysis.guess import Guess
@@ -284,7 +284,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
         if self.parts.solved is state and self.parts.found is not None:
             return self.parts.found.residual()
         if not state.predicted:
-            return true_residual(state.system.mat, state.system.b, state.system.solution, state.scale)
+            system = state.system
+            return true_residual(system.mat, system.b, system.solution, state.scale)
         problem, boundary = state.problem, state.problem.boundary
         scale = internal_norm(problem, state.x) if boundary.nonzero else residual_norm(problem, boundary.values)
         error = residual_norm(problem, state.x)
@@ -320,7 +321,7 @@ class SteadyAnalysis(Timeless, Generic[P]):
         if problem.boundary.mask.shape != state.x.shape:
             return None
         rows = state.system.rows
-        product = RowOperation(made(state.system.mat).mult, rows, self.context.comm)
+        product = matrix_product(made(state.system.mat), rows, self.context.comm)
         matrix = StepMatrix(product, KeptOperation(self.solver, rows), False, self.solver.kept.exact)
         x = solution_beside(problem, state.problem, state.x, matrix)
         return problem.observer(self._observed_quantities(frame.scene.quantities))(x) if np.isfinite(x).all() else None
@@ -429,7 +430,8 @@ class SteadyAnalysis(Timeless, Generic[P]):
 
     def _solve(self, frame: Frame, new_mesh: bool) -> LinearReport:
         state, context = self.state, self.context
-        problem, system = state.problem, state.system
+        bound = state.bound or made(state.bound)
+        problem, system = bound.problem, bound.system
         with context.stages("values"):
             problem.update()
             dead_loads(problem, system.right)
@@ -496,8 +498,9 @@ class SteadyAnalysis(Timeless, Generic[P]):
         Where they move, the right side is the force of a jump over one layer of elements, which says nothing of the
         forces in the body; and those are known only with the solution, hence the second look.
         """
-        system, boundary, total = self.state.system, self.state.problem.boundary, None
-        places, stages = self._rigid_places, self.context.stages
+        bound, total, stages = made(self.state.bound), None, self.context.stages
+        system, boundary = bound.system, bound.problem.boundary
+        places = self._rigid_places
         x: np.ndarray | None = None
         while True:
             scale = None

@@ -16,7 +16,7 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.beside import step_beside
-from restshape.analysis.correction import KeptOperation, RowOperation
+from restshape.analysis.correction import KeptOperation, matrix_product
 from restshape.analysis.displacement_projection import project_displacement
 from restshape.analysis.effective_system import EffectiveSystem
 from restshape.analysis.frame import Frame
@@ -181,7 +181,7 @@ class TransientAnalysis:
             return None
         rest = ~body.constrained
         first = start.now._replace(y=start.now.y * rest, v=start.now.v * rest)
-        base = self._base_acceleration(solved.now.time) + scheme.a3 * self._base_acceleration(first.time)
+        base = integration.step_acceleration(first.time, first.y.shape[1])
         matrix = replace(self._last_matrix(), complete=self.solver.kept.exact)
         y = step_beside(body, solved.body, scheme, first, solved.now.y, base, matrix)
         if not np.isfinite(y).all():
@@ -331,7 +331,7 @@ class TransientAnalysis:
         """The matrix of the last step."""
         system, solver = self.state.system, self.solver
         if self._operations[0] is not system.mat:
-            product = RowOperation(system.mat.mult, system.rows, self.context.comm)
+            product = matrix_product(system.mat, system.rows, self.context.comm)
             self._operations = (system.mat, product, KeptOperation(solver, system.rows))
         exact = solver.factored or (solver.kept.complete and self._iterations <= NEAR)
         return StepMatrix(*self._operations[1:], exact, solver.kept.complete)
@@ -494,8 +494,7 @@ class TransientAnalysis:
         system, scheme = bound.system, integration.scheme
         components = state.y.shape[1]
         with self.context.stages("values"):
-            base_acceleration = integration.base_acceleration(state.time + scheme.dt, components)
-            base_acceleration += scheme.a3 * integration.base_acceleration(state.time, components)
+            base_acceleration = integration.step_acceleration(state.time, components)
             (system.assemble if stale else system.right_side)(state, base_acceleration)
         if stale:
             self.solver.prepare(system.mat, new_system, steps)
@@ -507,14 +506,16 @@ class TransientAnalysis:
             system.full[:] = state.y.ravel() if self.context.policy.warm else 0.0
             system.solution.stateIncrease()
             if guessed:
-                system.full += bound.increments(system.force())
+                system.force(bound.increments.next_force)
+                bound.increments.add_to(system.full)
                 system.solution.stateIncrease()
             report = self.solver.solve(system.mat, system.b, system.solution, new_system, not stale, uses=steps)
             self._iterations = report.iterations
-        gather_vector(system.full, system.rows, self.context.comm)
+        if self.context.comm.size > 1:
+            gather_vector(system.full, system.rows, self.context.comm)
         y = system.full.reshape(state.y.shape).copy()
         if guessed:
-            bound.increments.keep((y - state.y).ravel())
+            bound.increments.keep(y, state.y)
         self._set_motion(self._settled(scheme.after(state, y)))
         return report
 

@@ -108,12 +108,12 @@ class TransientState:
     @property
     def integration(self) -> TimeIntegration:
         """How it is integrated in time."""
-        return made(self.in_time)
+        return self.in_time or made(self.in_time)
 
     @property
     def body(self) -> SemiDiscrete:
         """The scene's problem on its space."""
-        return made(self.bound).body
+        return (self.bound or made(self.bound)).body
 
     @property
     def problem(self) -> TransientProblem:
@@ -123,12 +123,12 @@ class TransientState:
     @property
     def system(self) -> EffectiveSystem:
         """What outlives frames on the space."""
-        return made(self.bound).system
+        return (self.bound or made(self.bound)).system
 
     @property
     def observer(self) -> Observer:
         """Of the scene's quantities."""
-        return made(self.bound).observer
+        return (self.bound or made(self.bound)).observer
 
     @property
     def space(self) -> Space | None:

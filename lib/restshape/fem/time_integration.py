@@ -86,32 +86,32 @@ class Newmark:
     dt: float
     order = 2
 
-    @property
+    @cached_property
     def a0(self) -> float:
         """1 / (beta dt^2) [1/s^2]."""
         return 1.0 / (self.beta * self.dt**2)
 
-    @property
+    @cached_property
     def a1(self) -> float:
         """gamma / (beta dt) [1/s]."""
         return self.gamma / (self.beta * self.dt)
 
-    @property
+    @cached_property
     def a2(self) -> float:
         """1 / (beta dt) [1/s]."""
         return 1.0 / (self.beta * self.dt)
 
-    @property
+    @cached_property
     def a3(self) -> float:
         """1 / (2 beta) - 1."""
         return 0.5 / self.beta - 1.0
 
-    @property
+    @cached_property
     def a4(self) -> float:
         """gamma / beta - 1."""
         return self.gamma / self.beta - 1.0
 
-    @property
+    @cached_property
     def a5(self) -> float:
         """dt (gamma / (2 beta) - 1) [s]: 0 for gamma = 2 beta, where the step needs M a alone, never a itself."""
         return self.dt * (0.5 * self.gamma - self.beta) / self.beta
@@ -246,6 +246,13 @@ class TimeIntegration:
     def base_acceleration(self, t: float, fields: int) -> np.ndarray:
         """The base's acceleration (f,) at the time t [s]."""
         return np.zeros(fields) if self.excitation is None else self.excitation.acceleration(t)
+
+    def step_acceleration(self, t: float, fields: int) -> np.ndarray:
+        """What a step from the time t [s] sees of the base's acceleration (f,): a' + a3 a."""
+        if self.excitation is None:
+            return np.zeros(fields)
+        acceleration, scheme = self.excitation.acceleration, self.scheme
+        return acceleration(t + scheme.dt) + scheme.a3 * acceleration(t)
 
 
 class IntegrationChanges(TypedDict, total=False):

@@ -177,7 +177,11 @@ class MovingMesh:
     @property
     def field_mesh(self) -> Mesh | LagrangeSpace:
         """What fields live on: the mesh, the finest of those nested in it, or the nodes of second order over it."""
-        return self.nested.finest if self.nested else self.space or self.mesh
+        state = self.state
+        if state.nested:
+            return state.nested.finest
+        generated = state.generated or made(state.generated)
+        return generated.space or generated.mesh
 
     def area(self) -> float:
         """Area of `field_mesh` [m^2], curved edges as they are; of solids in space that of the plane mesh."""
@@ -185,8 +189,9 @@ class MovingMesh:
 
     def solved(self) -> None:
         """Take note that `field_mesh` was solved on: what flips have done to its nodes is in the solution."""
-        if self.space and self.space.interpolations:
-            self.space.interpolations = ()
+        generated = self.state.generated or made(self.state.generated)
+        if generated.space and generated.space.interpolations:
+            generated.space.interpolations = ()
 
     def other_meshes(self, old: Mesh | LagrangeSpace | None) -> tuple[OtherMesh, ...]:
         """The mesh beside which the last update's flips, or new mesh, are seen; the best comparison first.
@@ -353,7 +358,7 @@ class MovingMesh:
         self._kept = Kept(self.state, (mesh.outline, mesh.geometry, mesh.topology))
 
     def _update(self, frame: EditFrame) -> MeshUpdate:
-        order = self.order
+        order = self.state.order
         if frame.scene is not self.state.scene:
             self.state = replace(self.state, scene=frame.scene, order=self._order_of(frame.scene))
         if frame.refused is not None or (frame.change in ("none", "values") and self.order == order):
@@ -362,7 +367,9 @@ class MovingMesh:
             )
             return self._rest(frame)
         if frame.change == "move":
-            if frame.gesture is self.gesture and frame.gesture.linear and frame.c == self.state.c:
+            known = self.state.map
+            same = known is not None and frame.gesture is known.gesture
+            if same and frame.gesture.linear and frame.c == self.state.c:
                 log.debug("%4d Mesh level 0: %s", frame.index, IDLE["move"])
                 return MeshUpdate.nothing(self.min_quality)
             if not self.regenerate:
@@ -382,7 +389,8 @@ class MovingMesh:
     def _follow(self, frame: EditFrame) -> MeshUpdate:
         """Relocate; flip, or reconstruct, where that is not enough."""
         stages: dict[str, float] = {}
-        generated, known = self._generated, made(self.state.map)
+        state = self.state
+        generated, known = state.generated or made(state.generated), state.map or made(state.map)
         mesh = generated.mesh
         if frame.gesture is not known.gesture or known.Psi is None:
             self._begin_gesture(frame, stages)
@@ -412,11 +420,11 @@ class MovingMesh:
                 why,
                 placement[0],
             )
-        else:
+        elif log.isEnabledFor(logging.DEBUG):
             reason = "no invalid, no low-quality triangles"
             log.debug("%4d Mesh level 1: nodes relocated; %s; least quality %.3g", frame.index, reason, placement[0])
-        self.state = self.state.placed(frame.c, placement[0])
-        if not self.nested:
+        self.state = state = self.state.placed(frame.c, placement[0])
+        if not state.nested:
             return MeshUpdate(2 if flips else 1, flips, changed, placement[0], None, stages, self._condensed)
         self.nested.stamp()
         old = self._former() if flips else None
@@ -442,9 +450,10 @@ class MovingMesh:
     def _place(self, frame: EditFrame) -> tuple[float, int, int]:
         """Move the nodes to where the frame wants them; quality, invalid and low-quality triangles there."""
         quality, invalid, low_quality = self._place_corners(frame)
-        if self.nested:
-            return quality, invalid + self.nested.place(frame.outline), low_quality
-        if not self.space:
+        state = self.state
+        if state.nested:
+            return quality, invalid + state.nested.place(frame.outline), low_quality
+        if not made(state.generated).space:
             return quality, invalid, low_quality
         if frame.gesture.linear:
             start = made(self.state.map).c
@@ -456,7 +465,8 @@ class MovingMesh:
 
     def _place_corners(self, frame: EditFrame) -> tuple[float, int, int]:
         """Move the corners; quality, invalid and low-quality triangles there."""
-        generated, known = self._generated, made(self.state.map)
+        state = self.state
+        generated, known = state.generated or made(state.generated), state.map or made(state.map)
         mesh, Psi, (c0, c1) = generated.mesh, made(known.Psi), frame.c
         if not frame.gesture.linear:
             target = generated.boundary.values(frame.outline, frame.outline.points)

@@ -107,8 +107,10 @@ class MovingState:
 
     def placed(self, c: tuple[float, float], min_quality: float) -> "MovingState":
         """The state with the nodes placed for coefficients c."""
-        known = self.spec, self.scene, self.order, self.generated, self.nested, self.map
-        return MovingState(*known, c, min_quality)
+        # What `dataclasses.replace` makes, in a tenth of its time.
+        other = object.__new__(MovingState)
+        other.__dict__.update(self.__dict__, c=c, min_quality=min_quality)
+        return other
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,6 +44,7 @@ class FrameRows:
         self.solver, self.analysis, self.prediction = solver, solver.analysis, solver.prediction
         self.limits, self._moving = MovingLimits(), moving_limits(scene)
         self.edit: ScriptFrame | None = None
+        self._columns: dict[str, str] = {}
 
     def observed(self, scene: Scene, refused: str) -> dict[str, float]:
         """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
@@ -69,7 +70,7 @@ class FrameRows:
             refused: why it shows the last solution; empty where it has one.
         """
         self.edit, solver, limits = edit, self.solver, self.limits(edit.scene.quantities)
-        violated = violated_constraints(limits, quantities) if quantities else ()
+        violated = violated_constraints(limits, quantities) if limits and quantities else ()
         row: RowValues = {
             "index": edit.index,
             "t": edit.t,
@@ -86,22 +87,28 @@ class FrameRows:
             "unknowns": self.analysis.unknowns,
             "elements": len(solver.space.cells if solver.known else solver.moving.mesh.cells),
             "note": self.prediction.note if self.prediction and not refused else "",
-            "constraint_status": constraint_status(limits, quantities),
-            "violated_constraints": "; ".join(map(formatted_constraint, violated)),
+            "constraint_status": constraint_status(limits, quantities) if limits else "",
+            "violated_constraints": "; ".join(map(formatted_constraint, violated)) if violated else "",
             "findings": violated,
-            **{f"q_{name}": value for name, value in quantities.items()},
-            **self._moved(edit.scene),
-            "predicted": int(solver.predicted),
-            "refused": refused,
-            "stale": int(bool(refused)),
         }
+        for name, value in quantities.items():
+            row[self._column(name)] = value
+        if self._moving:
+            row.update(self._moved(edit.scene))
+        row["predicted"], row["refused"], row["stale"] = int(solver.predicted), refused, int(bool(refused))
         if self.prediction:
             row.update(self.prediction.row())
-        if solver.known:
-            own = self.analysis.row()
+        if solver.known and (own := self.analysis.row()):
             row.update(joined(row, without_values(own) if refused else own))
         row["findings"] = encode_findings(findings_in(row))
         return row
+
+    def _column(self, name: str) -> str:
+        """The column of a quantity, made once."""
+        known = self._columns.get(name)
+        if known is None:
+            known = self._columns[name] = f"q_{name}"
+        return known
 
     def _moved(self, scene: Scene) -> dict[str, float]:
         """The limits of a frame that follow parameters."""

@@ -88,8 +88,9 @@ class Replay:
             if edit is None:
                 return
             edited = perf_counter()
-            idle = self._idle(edit)
-            start, edited = start + idle, edited + idle
+            if self.prediction is not None:
+                idle = self._idle(edit)
+                start, edited = start + idle, edited + idle
             row = self._frame(edit)
             end = perf_counter()
             self._times(row, start, edited, end)
@@ -105,8 +106,6 @@ class Replay:
 
     def _idle(self, edit: ScriptFrame) -> float:
         """Spend the edit time before a frame; the seconds that this has taken, which are none of the frame's."""
-        if self.prediction is None:
-            return 0.0
         start = perf_counter()
         self.solver.idle(edit)
         self.stages.reset()
@@ -161,8 +160,9 @@ class Replay:
     def _hand_over(self, edit: ScriptFrame, row: RowValues, start: float, end: float) -> None:
         """Hand the frame to the recorder; its time is up to there, and in what is yielded that of the hand-over too."""
         row["ms_estimate"] = (perf_counter() - end) * 1e3
-        mesh, known, begin = self.solver.space, self.solver.known, perf_counter()
+        begin = perf_counter()
         if self.recorder:
+            mesh, known = self.solver.space, self.solver.known
             version = (id(mesh), mesh.topology)
             if version != self.recorded_topology:
                 self.recorder.topology(mesh.cells)

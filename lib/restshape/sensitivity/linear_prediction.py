@@ -26,5 +26,5 @@ class Prediction:
         """The displacement (n, 2) [m] with the hand at c."""
         weights = np.array([1.0, c[0] - self.c[0], c[1] - self.c[1]])
         used, found = np.flatnonzero(weights), np.empty(self._shape)
-        _kernels.weighted_sum(weights[used], [self._terms[k] for k in used], found)
+        _kernels.weighted_sum(weights[used].tolist(), [self._terms[k] for k in used], found)
         return found

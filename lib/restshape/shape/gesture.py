@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restshape import _kernels
 from restshape.arrays import Flags, Reals
 from restshape.errors import UserError
 from restshape.shape.outline import Entity, Outline
@@ -36,7 +37,7 @@ class Gesture:
         """Control points (k, 2) at the coefficients c; the reference where the motion is not linear."""
         if self.basis is None:
             return self.reference
-        return self.reference + (c[0] * self.basis[0] + c[1] * self.basis[1])
+        return _kernels.moved_points(self.reference, self.basis, c[0], c[1])
 
 
 def extend_to_controls(outline: Outline, chosen: Flags, displacement: Reals) -> Reals:

@@ -45,9 +45,11 @@ class Grab(ABC):
         Raises:
             UserError: one of them has a height.
         """
-        if any(len(point) > 2 for point in path):
-            pin = f"press on supports.{self.name}, which moves in space, or " * (self.name in pins_of(self.before[1]))
-            raise UserError(f"{self.name} is a part of the shape, which has no z", do=f"{pin}leave z out")
+        for point in path:
+            if len(point) > 2:
+                pins = pins_of(self.before[1])
+                pin = f"press on supports.{self.name}, which moves in space, or " * (self.name in pins)
+                raise UserError(f"{self.name} is a part of the shape, which has no z", do=f"{pin}leave z out")
         return path
 
     def still(self) -> GrabbedStep:
