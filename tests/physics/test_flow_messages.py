@@ -190,6 +190,13 @@ def test_a_steady_flow_that_will_hardly_be_one_is_warned_of(command, tmp_path):
     assert "give [effects.flow] a time_step" in done.stdout
 
 
+@pytest.mark.parametrize(("viscosity", "counts"), [(0.1, True), (1.0, False)])
+def test_a_flow_without_inertia_that_is_not_slow_is_warned_of(command, tmp_path, viscosity, counts):
+    write_scene(tmp_path, BASE.replace("convection = {}\n", "").replace("mu = 0.1", f"mu = {viscosity}"))
+    found = command("check", "scene.toml").stdout
+    assert ("at a Reynolds number of 4.5 inertia counts, and the scene leaves it out" in found) == counts, found
+
+
 @pytest.mark.slow
 def test_a_steady_flow_that_is_not_found_has_its_reynolds_number(command, tmp_path):
     text = BASE.replace("mu = 0.1", "mu = 1e-8").replace("size = 0.3", "size = 0.1\nnear = { body = 0.025 }")

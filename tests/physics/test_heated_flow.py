@@ -202,6 +202,19 @@ def test_a_check_warns_of_cells_that_do_not_show_the_layers_below_a_stream(tmp_p
     assert layers_warned_of(tmp_path, text.replace("303.15", "293.15")) == []
 
 
+def test_a_check_warns_of_what_moves_no_fluid(tmp_path):
+    """Velocities where flow is off, and gravity without buoyancy."""
+    for lost, words in (
+        ("flow = {}\n", "boundary.inlet: flow is off, and the fluid at rest"),
+        ("", "it moves no fluid"),
+    ):
+        text = WARM_CHANNEL.replace("heat = {}\n", "heat = {}\ngravity = {}\n") if not lost else WARM_CHANNEL
+        text = text.replace("convection = {}\n", "").replace(lost, "") if lost else text
+        scene = load_scene(write_scene(tmp_path, text))
+        seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]
+        assert any(words in warning for one in seen for warning in one.warnings), words
+
+
 def test_a_check_says_rayleighs_number(tmp_path):
     scene = load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE))
     seen = [one.inspected(scene, outline_from_spec(scene.shape)) for one in application_of(scene).physics]

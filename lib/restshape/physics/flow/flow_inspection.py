@@ -12,6 +12,8 @@ from restshape.shape.outline import Outline
 
 STEADY, STEADY_BEHIND = 2000.0, 300.0
 """Reynolds numbers from which flows of vessels, and those around bodies, are hardly ever steady."""
+SLOW = 1.0
+"""Reynolds number up to which inertia hardly counts."""
 LONG_STEP = 10.0
 """Courant number of the largest cells from which a step is longer than what a mesh can show takes to pass."""
 
@@ -19,6 +21,9 @@ LONG_STEP = 10.0
 def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
     """The Reynolds number, those of cells, whether anything moves the fluid, and whether it can leave all the time."""
     speed, along, fastest = stream(scene, outline)
+    if speed and scene.effects and "flow" not in scene.effects:
+        names = ", ".join(f"boundary.{name}" for name, one in scene.boundary.items() if one.velocity is not None)
+        return Inspection(warnings=(f"{names}: flow is off, and the fluid at rest; add [effects.flow]",))
     if speed == 0.0:
         lifted = "buoyancy" in scene.effects and any(scene.effects["gravity"]["g"])
         if lifted or (scene.effects and "flow" not in scene.effects):
@@ -38,7 +43,10 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
 
 
 def _doubts(scene: Scene, outline: Outline, number: float) -> tuple[str, ...]:
-    """That a steady flow at this Reynolds number may be none."""
+    """That a flow at this Reynolds number is not slow, or that a steady one may be none."""
+    if "convection" not in scene.effects and number > SLOW:
+        what = f"at a Reynolds number of {number:.3g} inertia counts, and the scene leaves it out"
+        return (f"{what}: add [effects.convection]",)
     in_time = scene.effects.get("flow", {}).get("time_step") is not None
     around = any(loop.kind == "hole" for loop in outline.loops)
     if in_time or "convection" not in scene.effects or number < (STEADY_BEHIND if around else STEADY):

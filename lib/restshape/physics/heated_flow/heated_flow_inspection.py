@@ -22,6 +22,11 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
     forced = forced_layer(scene, outline) if "flow" in on and differences(scene, on) else np.inf
     still = Inspection(warnings=(*jumps, *hidden_layers(scene, outline, forced)))
     if "buoyancy" not in on:
+        if "gravity" in on:
+            lifted = (
+                "effects.gravity: without [effects.buoyancy] it moves no fluid, for pressures are those without weight"
+            )
+            still = Inspection(warnings=(*still.warnings, lifted))
         return still
     g, fluid = np.array(scene.effects["gravity"]["g"], dtype=float), scene.fluid
     size = float(np.linalg.norm(g))
