@@ -79,6 +79,7 @@ __all__: list[str] = [
     "matrix_products",
     "mean_at",
     "mean_value",
+    "mesher_items",
     "met_by_inside",
     "momenta",
     "move_and_check",
@@ -954,6 +955,7 @@ def mean_value(
     segments: numpy.typing.NDArray[numpy.int32],
     values: numpy.typing.NDArray[numpy.float64],
 ) -> numpy.typing.NDArray[numpy.float64]: ...
+def mesher_items() -> int: ...
 def met_by_inside(
     handle: typing.SupportsInt | typing.SupportsIndex, place: numpy.typing.NDArray[numpy.int32]
 ) -> numpy.typing.NDArray[numpy.int32]: ...

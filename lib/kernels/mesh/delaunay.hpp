@@ -19,8 +19,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <list>
 #include <map>
+#include <memory>
 #include <stdexcept>
+#include <type_traits>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -82,6 +85,110 @@ struct Quality {
 
 }  // namespace cgal
 }  // namespace restshape
+
+#ifdef __GLIBCXX__
+// Each node that is inserted fills lists of the triangles and sides around it. What they let go of serves the next
+// ones: to allocate it anew takes a tenth of the refinement.
+namespace restshape {
+namespace cgal {
+
+template <class Item>
+struct KeptItems {
+    union Place {
+        Place* next;
+        alignas(Item) unsigned char room[sizeof(Item)];
+    };
+
+    ~KeptItems() {
+        while (first) {
+            Place* last = first;
+            first = last->next;
+            delete last;
+        }
+    }
+
+    static KeptItems& of_thread() {
+        static thread_local KeptItems kept;
+        return kept;
+    }
+    void* take() {
+        Place* place = first;
+        if (place) {
+            first = place->next;
+            return place;
+        }
+        ++made;
+        return new Place;
+    }
+    void give(void* item) {
+        auto* place = static_cast<Place*>(item);
+        place->next = first;
+        first = place;
+    }
+
+    Place* first = nullptr;
+    std::int64_t made = 0;
+};
+
+// What an allocator is of which all are alike.
+template <class Item>
+struct KeepingAllocator {
+    using value_type = Item;
+    using size_type = std::size_t;
+    using difference_type = std::ptrdiff_t;
+    using is_always_equal = std::true_type;
+
+    Item* allocate(std::size_t count) {
+        if (count != 1) return static_cast<Item*>(::operator new(count * sizeof(Item)));
+        return static_cast<Item*>(KeptItems<Item>::of_thread().take());
+    }
+    void deallocate(Item* item, std::size_t count) {
+        if (count != 1) return ::operator delete(item);
+        KeptItems<Item>::of_thread().give(item);
+    }
+    // Asked for up to C++17.
+    template <class Other, class... Given>
+    void construct(Other* at, Given&&... given) {
+        ::new (static_cast<void*>(at)) Other(std::forward<Given>(given)...);
+    }
+    template <class Other>
+    void destroy(Other* at) {
+        at->~Other();
+    }
+    friend bool operator==(const KeepingAllocator&, const KeepingAllocator&) { return true; }
+    friend bool operator!=(const KeepingAllocator&, const KeepingAllocator&) { return false; }
+};
+
+using FaceItem = std::_List_node<Face>;
+using SideItem = std::_List_node<Triangulation::Edge>;
+
+// How many items this thread has allocated.
+inline std::int64_t items_made() {
+    return KeptItems<FaceItem>::of_thread().made + KeptItems<SideItem>::of_thread().made;
+}
+
+}  // namespace cgal
+}  // namespace restshape
+
+template <>
+struct std::allocator<restshape::cgal::FaceItem> : restshape::cgal::KeepingAllocator<restshape::cgal::FaceItem> {
+    allocator() = default;
+    template <class Other>
+    allocator(const std::allocator<Other>&) {}
+};
+template <>
+struct std::allocator<restshape::cgal::SideItem> : restshape::cgal::KeepingAllocator<restshape::cgal::SideItem> {
+    allocator() = default;
+    template <class Other>
+    allocator(const std::allocator<Other>&) {}
+};
+#else
+namespace restshape {
+namespace cgal {
+inline std::int64_t items_made() { return 0; }
+}  // namespace cgal
+}  // namespace restshape
+#endif
 
 // CGAL's queue of bad triangles is a pair of search trees, half of the mesher's time. A heap gives the same order, the
 // oldest first among equals: entries that were erased stay in it until they come to the top.

@@ -6,6 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
+from restshape.algebra.linear_report import true_residual
 from restshape.algebra.operator import MatrixTerm, Operator
 from restshape.fem.problem import STIFFNESS
 from restshape.fem.semidiscrete import SemiDiscrete
@@ -137,8 +138,7 @@ class EffectiveSystem:
 
     def residual(self) -> float:
         """The true residual of the last solve over its right side; as it is where that is 0; collective."""
-        scale, rest = self.b.norm(), self._products.residual(self.mat, self.solution, self.b)
-        return rest / scale if scale > 0.0 else rest
+        return true_residual(self.mat, self.b, self.solution)
 
 
 def _block(term: MatrixTerm) -> int:
@@ -190,12 +190,6 @@ class StepProducts:
             self._uniform = body.mass.apply(np.ones_like(body.static))
             self._uniform[body.constrained] = 0.0
         return self._uniform
-
-    def residual(self, mat: PETSc.Mat, solution: PETSc.Vec, b: PETSc.Vec) -> float:
-        """The norm of b - mat solution."""
-        mat.mult(solution, self._force)
-        self._force.aypx(-1.0, b)
-        return float(self._force.norm())
 
     def force(self, mat: PETSc.Mat, solution: PETSc.Vec, own_b: np.ndarray, out: np.ndarray) -> None:
         """Set `out` to own_b - mat solution, of this rank's rows."""

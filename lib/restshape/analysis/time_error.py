@@ -86,7 +86,7 @@ def _change_of_force(
     """What `SemiDiscrete.change_of_force` gives at free unknowns, with the step's matrix in place of K's elements."""
     before, now = states
     weights = StepWeights(scheme, body.damping_of.alpha, body.damping_of.beta)
-    strain, inert = np.empty_like(now.y), np.empty_like(now.y)
+    strain, inert = np.empty(now.y.shape), np.empty(now.y.shape)
     share, damped = weights.of_mass / weights.of_stiffness, weights.beta
     of_changes = (1.0, damped, 0.0, share, share * damped - weights.alpha, 0.0)
     _kernels.weigh_state(now.y - before.y, now.v - before.v, None, of_changes, base, strain, inert)

@@ -72,4 +72,4 @@ class LinearTheory:
 
 def _apart(X: Reals, first: int, last: int) -> float:
     """The largest difference of two nodes' coordinates."""
-    return max(abs(a - b) for a, b in zip(X[first].tolist(), X[last].tolist()))
+    return max(map(abs, (X[first] - X[last]).tolist()))

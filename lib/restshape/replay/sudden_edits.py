@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from restshape import _kernels
 from restshape.analysis.row_values import RowValues, text
 
 if TYPE_CHECKING:
@@ -40,7 +39,8 @@ class SuddenEdits:
         # Unknowns of first order in time, and steady ones, have no energy of motion.
         if not getattr(self.analysis, "inertia", False):
             return
-        share = float(np.linalg.norm(now.points - before.points, axis=1).max() / np.ptp(before.points, axis=0).max())
+        size = max(before.points.ptp(axis=0).tolist())
+        share = _kernels.largest_norm(now.points - before.points) / size
         if share > FAR:
             what = f"the shape goes {100 * share:.0f} % of its size in a frame, which puts energy into the motion"
             do = f'{BACK if edit.do in ("undo", "redo") else MORE} the {edit.do}; energy = "edit" says how much'
