@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Puts other solvers aside, each in an environment of its own, for `restshape bench peers --installed FOLDER`.
-# Usage: scripts/peers.sh FOLDER [dolfinx] [scikit-fem] [ngsolve] [freefem]      (default: all four)
+# Usage: scripts/peers.sh FOLDER [dolfinx] [scikit-fem] [ngsolve] [freefem] [newton]      (default: all five)
 #
 # Packages of the distribution are unpacked below FOLDER, not installed; those of PyPI get virtual environments there.
 # Each peer has FOLDER/NAME/python, the Python that runs its programs. Nothing outside FOLDER is changed.
@@ -64,7 +64,9 @@ install_freefem() {
         'exec /usr/bin/python3 "$@"'
 }
 
-known=(dolfinx scikit-fem ngsolve freefem)
+install_newton() { from_pypi newton newton; }
+
+known=(dolfinx scikit-fem ngsolve freefem newton)
 [ $# -ge 1 ] || fail "no folder is given" "scripts/peers.sh FOLDER [${known[*]}]"
 mkdir -p "$1"
 folder=$(cd "$1" && pwd)

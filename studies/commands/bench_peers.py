@@ -27,7 +27,9 @@ def declare(parser: argparse.ArgumentParser) -> None:
     what = f"these of {','.join(PROGRAMS)} (default: those that are installed)"
     parser.add_argument("--peers", default="", metavar="A,B", help=what)
     parser.add_argument("--cases", default="", metavar="A,B", help=f"these of {','.join(ALL)} (default: all)")
-    parser.add_argument("--frames", type=int, metavar="N", help="that are timed (default: each case's own, 6 to 20)")
+    parser.add_argument(
+        "--frames", type=int, metavar="N", help="that are timed (default: each case's own, 6 to 20; a drape has one)"
+    )
     parser.add_argument("--repeat", type=int, default=3, metavar="R", help="starts of a process (default: %(default)s)")
     parser.add_argument("--page", dest="picture", type=PageFile, metavar="FILE", help="write a page in Markdown")
 
@@ -69,7 +71,8 @@ def measure(args: argparse.Namespace, case: Case, announce: Announce) -> dict[st
     if case.name == START:
         return start_times(CASES["static-2000"], args.named, args.installed, args.repeat, announce)
     one = CASES[case.name]
-    return compare(one, args.named, args.installed, args.frames or one.frames, announce)
+    frames = (args.frames or one.frames) if one.frames else 0
+    return compare(one, args.named, args.installed, frames, announce)
 
 
 def show(_: argparse.Namespace, name: str, found: Mapping[str, Any]) -> None:
@@ -101,7 +104,7 @@ def draw(found: Mapping[str, Any], args: argparse.Namespace, path: Path) -> None
 KINDS = (
     Kind(
         "peers",
-        "the same edits through DOLFINx, scikit-fem, NGSolve and FreeFEM: times, memory, answers",
+        "the same edits through DOLFINx, scikit-fem, NGSolve and FreeFEM, a drape through Newton: times, memory, answers",
         declare,
         check,
         measure,

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 Events = list[dict[str, Any]]
+FINITE_ELEMENTS = ("dolfinx", "scikit-fem", "ngsolve", "freefem")
+"""Peers that solve what their user writes down as weak forms."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +25,8 @@ class PeerCase:
         tolerance: largest distance of a peer's answers, relative in the L2 norm of all nodes or modes; for the same
             elements far below what the mesh costs, for other elements what it costs.
         policy: restshape's.
-        frames: that are timed.
+        frames: that are timed; 0: the first one alone, from nothing.
+        peers: that have this kind of physics.
         note: what is to be known of the comparison.
     """
 
@@ -39,6 +42,7 @@ class PeerCase:
     policy: str = "auto"
     frames: int = 20
     note: str = ""
+    peers: tuple[str, ...] = FINITE_ELEMENTS
 
 
 def drag(on: str, at: tuple[float, float], step: tuple[float, float]) -> Callable[[int], Events]:
@@ -98,6 +102,15 @@ STREAM = {
     "speed": 0.02,
     "slip": ["lower", "upper"],
     "walls": ["nose", "belly", "back"],
+}
+COTTON = {
+    "lam": 300.0 * 0.3 / (1 - 0.3**2),
+    "mu": 300.0 / (2 * (1 + 0.3)),
+    "bending": 5e-6,
+    "density": 0.15,
+    "gravity": 9.81,
+    "pins": [["left", "top"], ["right", "top"]],
+    "residual": 1e-4,
 }
 STORAGE = ("effects.storage.time_step=10", "effects.storage.initial='20 degC'", "effects.storage.steps=1")
 SAME = "peers are handed the mesh; the mesher's time counts for restshape alone"
@@ -209,6 +222,20 @@ CASES = {
             0.03,
             frames=10,
             note="peers take Taylor and Hood's elements, of second order; restshape stabilised ones of first order",
+        ),
+        PeerCase(
+            "drape",
+            "a square of cotton that falls from its pattern and hangs from two pins, to a residual of 1e-4 of the weight",
+            "drape",
+            "couture/pins",
+            rest,
+            COTTON,
+            "displacement",
+            0.01,
+            ("effects.cloth.bending='nonlinear'",),
+            frames=0,
+            note="the peer has a neo-Hookean membrane and single precision; its forces are evaluated in double precision",
+            peers=("newton",),
         ),
     )
 }

@@ -43,12 +43,17 @@ def compare(case: PeerCase, peers: Sequence[str], folder: Path, frames: int, ann
         own = _played_here(case, frames, place)
         found: dict[str, Any] = {"title": case.title, "note": case.note, "load": os.getloadavg()[0]}
         found |= {"machine": cpu_model(), "restshape": own, "peers": {}}
-        for peer in peers:
+        for peer in of_case(case, peers):
             found["peers"][peer] = {}
             for way in WAYS:
                 announce(f"{case.name}: {peer}, {way}")
                 found["peers"][peer][way] = _beside(case, own, _played_there(peer, way, folder, place), place)
     return found
+
+
+def of_case(case: PeerCase, peers: Sequence[str]) -> list[str]:
+    """Those of the peers that have a case's kind of physics."""
+    return [peer for peer in peers if peer in case.peers]
 
 
 def _played_here(case: PeerCase, frames: int, place: Path) -> dict[str, Any]:
@@ -77,7 +82,7 @@ def _played_there(peer: str, way: str, folder: Path, place: Path) -> dict[str, A
     if ended.code:
         return {"failed": ended.said}
     times = json.loads((place / "times.json").read_text())
-    return _times(times, ended) | {"version": times["version"]}
+    return _times(times, ended) | {"version": times["version"], "short": times["short"]}
 
 
 def _times(times: dict[str, Any], ended: Ended) -> dict[str, Any]:
@@ -89,10 +94,15 @@ def _times(times: dict[str, Any], ended: Ended) -> dict[str, Any]:
 
 
 def _beside(case: PeerCase, own: dict[str, Any], other: dict[str, Any], place: Path) -> dict[str, Any]:
-    """A peer's times with the distance of its answers, and its time over restshape's; no time where they differ."""
+    """A peer's times with the distance of its answers, and its time over restshape's.
+
+    No time counts where answers differ, or are not as accurate as is asked for.
+    """
     if "processor_ms" not in other:
         return other
     apart = distance(place / "restshape.npz", place / "answers.npz", case.parameters.get("initial", 0.0))
+    if other["short"]:
+        return {"failed": f"{other['short']}; its answers differ by {apart:.1e}", "version": other["version"]}
     if not apart <= case.tolerance:
         return {"failed": f"its answers differ by {apart:.1e}, which is more than {case.tolerance:g}"}
     return other | {"distance": apart, "ratio": other["processor_ms"] / own["processor_ms"]}
@@ -121,7 +131,7 @@ def start_times(case: PeerCase, peers: Sequence[str], folder: Path, repeat: int,
         command = [sys.executable, "-P", "-m", "restshape_studies.peers.played", case.name, "0", str(place)]
         announce(f"start: restshape, {repeat} times")
         found: dict[str, Any] = {"restshape": _started([run(command, MOST_SECONDS) for _ in range(repeat)])}
-        for peer in peers:
+        for peer in of_case(case, peers):
             announce(f"start: {peer}, {repeat} times")
             command = play_command(peer, WAYS[0], folder, place, place)
             run(command, MOST_SECONDS)

@@ -18,7 +18,13 @@ from restshape.errors import UserError
 HERE = Path(__file__).parent
 WAYS = ("documented", "tuned")
 """As a peer's documentation would have it, and as an expert would tune it."""
-PROGRAMS = {"dolfinx": "dolfinx", "scikit-fem": "scikit_fem", "ngsolve": "ngsolve", "freefem": "freefem"}
+PROGRAMS = {
+    "dolfinx": "dolfinx",
+    "scikit-fem": "scikit_fem",
+    "ngsolve": "ngsolve",
+    "freefem": "freefem",
+    "newton": "newton",
+}
 """Folders of programs by peer."""
 NO_PROGRAM = 4
 """Code with which a process ends where a peer cannot do a problem."""

@@ -110,7 +110,7 @@ def versions(found: Found) -> list[str]:
     names = {f"restshape {case['restshape']['version']}" for name, case in found.items() if name != START}
     for name, case in found.items():
         if name != START:
-            names |= {one["version"] for _, one in entries(name, case)}
+            names |= {one["version"] for ways in case["peers"].values() for one in ways.values() if "version" in one}
     return sorted(names, key=str.lower)
 
 
@@ -158,7 +158,7 @@ mesh.
 def _words(name: str, case: Found) -> str:
     own = case["restshape"]
     note = f"{case['note'][:1].upper()}{case['note'][1:]}. " if case["note"] else ""
-    sizes = f"{own['elements']:,} triangles, {own['unknowns']:,} unknowns of restshape's, {own['frames']} frames"
+    sizes = f"{own['elements']:,} triangles, {own['unknowns']:,} unknowns of restshape's, {own['frames']} frame{'s' * (own['frames'] != 1)}"
     return f"`restshape bench peers --cases {name}`. {note}{sizes}.\n"
 
 

@@ -4,9 +4,9 @@ python play.py PROGRAMS WAY CASE ANSWERS
 
 PROGRAMS is the folder of the peer's programs and WAY one of them, "documented" or "tuned". Its `PROBLEMS` has a class
 for each problem that the peer can do: made from a mesh and parameters, it gives the answer on moved places by
-`frame(points)`; `NOT_DONE` says why it cannot do others. A program with a function `play` times itself. CASE is read,
-and ANSWERS is written: ``answers.npz`` with an array a frame, ``times.json`` with seconds of the clock and of the
-processor.
+`frame(points)`; `NOT_DONE` says why it cannot do others. Where it does not come to the accuracy that is asked for, its
+`short` says so. A program with a function `play` times itself. CASE is read, and ANSWERS is written: ``answers.npz``
+with an array a frame, ``times.json`` with seconds of the clock and of the processor.
 """
 
 import json
@@ -22,8 +22,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from handed import HandedCase, read_case
 
 
-def play(kind: type, case: HandedCase) -> tuple[list, list, list]:
-    """Answers of all frames, with their seconds of the clock and of the processor; a new mesh makes a new object."""
+def play(kind: type, case: HandedCase) -> tuple[list, list, list, str]:
+    """Answers of all frames, with their seconds of the clock and of the processor; a new mesh makes a new object.
+
+    The last one says what the last answer falls short of, if anything.
+    """
     answers, seconds, processor = [], [], []
     solver, last = None, -1
     for number, points in zip(case.mesh_of, case.places):
@@ -34,7 +37,7 @@ def play(kind: type, case: HandedCase) -> tuple[list, list, list]:
         seconds.append(time.perf_counter() - clock)
         processor.append(time.process_time() - used)
         answers.append(np.array(answer))
-    return answers, seconds, processor
+    return answers, seconds, processor, getattr(solver, "short", "")
 
 
 def main(programs: str, way: str, case_folder: str, answer_folder: str) -> int:
@@ -45,11 +48,11 @@ def main(programs: str, way: str, case_folder: str, answer_folder: str) -> int:
     if kind is None:
         print(getattr(program, "NOT_DONE", {}).get(case.problem, "there is no program for it"), file=sys.stderr)
         return 4
-    answers, seconds, processor = getattr(program, "play", play)(kind, case)
+    answers, seconds, processor, *short = getattr(program, "play", play)(kind, case)
     np.savez(folder / "answers.npz", **{f"answer_{k}": answer for k, answer in enumerate(answers)})
     who = resource.RUSAGE_CHILDREN if hasattr(program, "play") else resource.RUSAGE_SELF
     found = {"seconds": seconds, "processor": processor, "peak_mb": resource.getrusage(who).ru_maxrss / 1024}
-    (folder / "times.json").write_text(json.dumps(found | {"version": program.VERSION}))
+    (folder / "times.json").write_text(json.dumps(found | {"version": program.VERSION, "short": "".join(short)}))
     return 0
 
 

@@ -11,21 +11,23 @@ import pytest
 from restshape_studies.commands.bench_peers import check, draw, named_peers
 from restshape_studies.peers import comparison
 from restshape_studies.peers.cases import CASES
-from restshape_studies.peers.comparison import compare, distance
+from restshape_studies.peers.comparison import compare, distance, of_case
 from restshape_studies.peers.installed import HERE, PROGRAMS, WAYS, run
 from restshape_studies.peers.page import losses, page
-from restshape_studies.peers.played import play
+from restshape_studies.peers.played import play, scene_path
 
 from restshape.errors import UserError
+from restshape.scene.load import load_scene
 
 ROOT = Path(__file__).parents[3]
 INSTALLED = Path(os.environ.get("RESTSHAPE_PEERS", ROOT / ".peers"))
 STATIC = CASES["static-2000"]
+DRAPE = CASES["drape"]
 
 
 @pytest.mark.slow
 @pytest.mark.cli
-@pytest.mark.parametrize("peer", PROGRAMS)
+@pytest.mark.parametrize("peer", STATIC.peers)
 def test_a_peer_agrees(peer):
     if not (INSTALLED / peer / "python").is_file():
         pytest.skip(f"{peer} is not installed: scripts/peers.sh {INSTALLED} {peer}")
@@ -82,8 +84,10 @@ def test_a_new_mesh_makes_a_new_solver():
 
     places = [np.full((3, 2), float(k)) for k in range(4)]
     case = SimpleNamespace(meshes=["a", "b"], mesh_of=[0, 0, 1, 1], places=places, parameters={})
-    answers, seconds, processor = imported("play").play(Solver, case)
-    assert made == [("a", {}), ("b", {})] and len(seconds) == len(processor) == 4
+    answers, seconds, processor, short = imported("play").play(Solver, case)
+    assert made == [("a", {}), ("b", {})] and len(seconds) == len(processor) == 4 and short == ""
+    Solver.short = "not there yet"
+    assert imported("play").play(Solver, case)[3] == "not there yet"
     assert [one[0, 0] for one in answers] == [0, 2, 4, 6]
 
 
@@ -105,8 +109,66 @@ def test_distances_are_relative_to_the_rise_above_the_origin(tmp_path):
 def test_a_time_counts_only_where_answers_agree(tmp_path, factor, counts):
     save(tmp_path / "restshape.npz", [1.0, 2.0])
     save(tmp_path / "answers.npz", [factor, 2.0 * factor])
-    found = comparison._beside(STATIC, {"processor_ms": 2.0}, {"processor_ms": 6.0}, tmp_path)
+    other = {"processor_ms": 6.0, "version": "Other 1", "short": ""}
+    found = comparison._beside(STATIC, {"processor_ms": 2.0}, other, tmp_path)
     assert (found.get("ratio") == 3.0) is counts and ("failed" in found) is not counts
+    found = comparison._beside(STATIC, {"processor_ms": 2.0}, other | {"short": "a residual of 0.3"}, tmp_path)
+    assert found["failed"].startswith("a residual of 0.3; its answers differ by") and "ratio" not in found
+
+
+def test_finite_elements_and_cloth_have_their_own_peers():
+    assert of_case(STATIC, tuple(PROGRAMS)) == ["dolfinx", "scikit-fem", "ngsolve", "freefem"]
+    assert of_case(DRAPE, tuple(PROGRAMS)) == ["newton"]
+    assert all((HERE / PROGRAMS["newton"] / f"{way}.py").is_file() for way in WAYS)
+
+
+@pytest.mark.weekly
+@pytest.mark.cli
+def test_the_drape_of_a_peer_is_ours_and_its_residual_is_said():
+    if not (INSTALLED / "newton" / "python").is_file():
+        pytest.skip(f"newton is not installed: scripts/peers.sh {INSTALLED} newton")
+    tuned = compare(DRAPE, ["newton"], INSTALLED, 0, print)["peers"]["newton"]["tuned"]
+    apart = tuned["distance"] if "distance" in tuned else float(tuned["failed"].rsplit(" ", 1)[1])
+    assert apart < DRAPE.tolerance
+
+
+def test_what_the_drape_is_handed_is_the_scene(tmp_path):
+    times = play(DRAPE, 0, tmp_path)
+    case, given = imported("handed").read_case(tmp_path), DRAPE.parameters
+    assert times["levels"] == [3] and case.problem == "drape"
+    pins = [np.intersect1d(case.meshes[0].nodes_on(one), case.meshes[0].nodes_on(two)) for one, two in given["pins"]]
+    assert case.meshes[0].points[np.concatenate(pins)] == pytest.approx(np.array([[0, 0.5], [0.5, 0.5]]))
+    scene = load_scene(scene_path(DRAPE.scene))
+    cotton = scene.material["cotton"]
+    stiffness = cotton.E * cotton.thickness
+    assert given["mu"] == pytest.approx(stiffness / 2 / (1 + cotton.nu)) and given["bending"] == cotton.bending
+    assert given["lam"] == pytest.approx(stiffness * cotton.nu / (1 - cotton.nu**2))
+    assert given["density"] == pytest.approx(cotton.rho * cotton.thickness)
+
+
+def test_forces_of_the_cloth_peer_are_the_gradient_of_its_energy():
+    sys.path.insert(0, str(HERE / "newton"))
+    try:
+        forces = __import__("forces")
+    finally:
+        sys.path.pop(0)
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [0.9, 1.0], [-0.1, 1.1]])
+    flat = np.column_stack([points, np.zeros(4)])
+    edges = np.array([[3, 1, 2, 0], [1, -1, 0, 3]])
+    stiffness = forces.hinge_stiffness(flat, edges, 0.3)
+    length = np.hypot(0.9, 1.0)
+    assert stiffness == pytest.approx([0.3 * length / (0.5 * (0.9 + 1.0) + 0.045 + 0.05), 0.0], rel=0.1)
+    cells = np.array([[0, 1, 2], [0, 2, 3]])
+    cloth = forces.ClothForces(points, cells, edges, stiffness, 1.3, 2.0, 0.1, [])
+    rng = np.random.default_rng(3)
+    x, way, h = flat + 0.2 * rng.normal(size=(4, 3)), rng.normal(size=(4, 3)), 1e-6
+    slope = (cloth.energy(x + h * way) - cloth.energy(x - h * way)) / (2 * h)
+    assert slope == pytest.approx(-(cloth.forces(x) * way).sum(), rel=1e-7)
+    # Without load it is at rest in the plane, and pulled it resists as Lame's numbers say.
+    free = forces.ClothForces(points, cells, edges, stiffness, 1.3, 2.0, 0.0, [])
+    assert np.abs(free.forces(flat)).max() < 1e-12
+    pulled = (free.energy(flat * [1 + 1e-4, 1, 1]) - free.energy(flat)) / free.area.sum()
+    assert pulled == pytest.approx(0.5e-8 * (1.3 + 2 * 2.0), rel=1e-3)
 
 
 def record(ratio):
