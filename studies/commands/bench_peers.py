@@ -104,7 +104,7 @@ def draw(found: Mapping[str, Any], args: argparse.Namespace, path: Path) -> None
 KINDS = (
     Kind(
         "peers",
-        "the same edits through DOLFINx, scikit-fem, NGSolve and FreeFEM, a drape through Newton: times, memory, answers",
+        "the same edits through DOLFINx, scikit-fem, NGSolve and FreeFEM, cloth through Newton: times, memory, answers",
         declare,
         check,
         measure,

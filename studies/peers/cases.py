@@ -225,7 +225,7 @@ CASES = {
         ),
         PeerCase(
             "drape",
-            "a square of cotton that falls from its pattern and hangs from two pins, to a residual of 1e-4 of the weight",
+            "a square of cotton that falls from its pattern, hangs from two pins, to a residual of 1e-4 of the weight",
             "drape",
             "couture/pins",
             rest,
@@ -234,7 +234,7 @@ CASES = {
             0.01,
             ("effects.cloth.bending='nonlinear'",),
             frames=0,
-            note="the peer has a neo-Hookean membrane and single precision; its forces are evaluated in double precision",
+            note="the peer has a neo-Hookean membrane and single precision; its forces are found in double precision",
             peers=("newton",),
         ),
     )

@@ -158,7 +158,8 @@ mesh.
 def _words(name: str, case: Found) -> str:
     own = case["restshape"]
     note = f"{case['note'][:1].upper()}{case['note'][1:]}. " if case["note"] else ""
-    sizes = f"{own['elements']:,} triangles, {own['unknowns']:,} unknowns of restshape's, {own['frames']} frame{'s' * (own['frames'] != 1)}"
+    frames = "1 frame" if own["frames"] == 1 else f"{own['frames']} frames"
+    sizes = f"{own['elements']:,} triangles, {own['unknowns']:,} unknowns of restshape's, {frames}"
     return f"`restshape bench peers --cases {name}`. {note}{sizes}.\n"
 
 

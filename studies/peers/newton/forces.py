@@ -1,7 +1,7 @@
 """Forces of Newton's cloth in double precision: what its solver of vertices leaves at the places that it ends at.
 
-The energies are those that the documentation of `SolverVBD` names: a membrane of B. Smith, F. de Goes and T. Kim, Stable
-neo-Hookean flesh simulation (ACM Transactions on Graphics 37, 2018), in the area ratio of a surface, and half a
+The energies are those that the documentation of `SolverVBD` names: a membrane of B. Smith, F. de Goes and T. Kim,
+Stable neo-Hookean flesh simulation (ACM Transactions on Graphics 37, 2018), in the area ratio of a surface, and half a
 stiffness times the edge's length times the square of the angle between two triangles.
 """
 
