@@ -1,6 +1,6 @@
 """What a problem's integrals say together: loads, residuals, their rates, and how large all that is."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -19,16 +19,24 @@ def dead_loads(problem: SteadyProblem, out: np.ndarray) -> None:
     problem.boundary.zero(out)
 
 
+ALL_FORCES = (INTERNAL, LOADS, FOLLOWERS)
+"""Kinds of integrals of which residuals consist."""
+
+
 def unconstrained_residual(
-    problem: SteadyProblem, x: np.ndarray, cells: np.ndarray | None = None, out: np.ndarray | None = None
+    problem: SteadyProblem,
+    x: np.ndarray,
+    cells: np.ndarray | None = None,
+    out: np.ndarray | None = None,
+    kinds: Sequence[str] = ALL_FORCES,
 ) -> np.ndarray:
     """Internal less all applied forces or fluxes (n, f) at x (n, f), reactions not taken out.
 
     Args:
         cells: (k,) int32 that alone count; None: all.
         out: (n, f) that they are added to.
+        kinds: of integrals; others have nothing where the residual is looked at.
     """
-    kinds = (INTERNAL, LOADS, FOLLOWERS)
     out = Assembled(integral for kind in kinds for integral in problem.integrals(kind)).residual(x, out, cells)
     problem.add_nodal_loads(out, -1.0, cells)
     return out

@@ -14,7 +14,7 @@ from restshape.fem.derivative import Derivative, Differentiable, nodal_quantity,
 from restshape.fem.entity_sets import cells_around, observed_nodes
 from restshape.fem.observer import Function, area_at, cells_at, column_reduced, reduction
 from restshape.fem.positions import position_quantity
-from restshape.fem.problem import STIFFNESS, SteadyProblem
+from restshape.fem.problem import FOLLOWERS, INTERNAL, LOADS, STIFFNESS, SteadyProblem
 from restshape.fem.residuals import unconstrained_residual
 from restshape.physics.elasticity.elasticity_scene_checks import elsewhere
 from restshape.physics.elasticity.goal import Goal
@@ -55,7 +55,7 @@ class PlaneQuantities:
 
     def __init__(self, solid: ObservedSolid) -> None:
         self.solid, self.space = solid, solid.space
-        self._around: dict[str, tuple[int | None, np.ndarray]] = {}
+        self._around: dict[str, tuple[int, np.ndarray, list[str]]] = {}
         self._rest = np.empty((0, 2))
         self._goals: dict[tuple[str, str], tuple[Goal, int, CurveDistances]] = {}
 
@@ -116,7 +116,8 @@ class PlaneQuantities:
                 self._rest = np.zeros(x.shape)
             # What was left at other nodes is never read: all of them again would take as long as the cells around few.
             self._rest[nodes] = 0.0
-            return unconstrained_residual(self.solid, x, self._cells(name, nodes), self._rest)[nodes, column].sum()
+            cells, kinds = self._forces_at(name, nodes)
+            return unconstrained_residual(self.solid, x, cells, self._rest, kinds)[nodes, column].sum()
 
         return force
 
@@ -155,11 +156,22 @@ class PlaneQuantities:
 
     def _cells(self, name: str, nodes: np.ndarray) -> np.ndarray:
         """The cells around the nodes of a quantity, found once a topology."""
-        version, cells = self._around.get(name, (None, None))
-        if version != self.space.topology:
-            cells = cells_around(self.space, nodes)
-            self._around[name] = (self.space.topology, cells)
-        return cells
+        return self._forces_at(name, nodes)[0]
+
+    def _forces_at(self, name: str, nodes: np.ndarray) -> tuple[np.ndarray, list[str]]:
+        """These cells, and the kinds of integrals with facets at the nodes: others take longer than the cells."""
+        known = self._around.get(name)
+        if known is None or known[0] != self.space.topology:
+            # Flips leave facets as they are.
+            kinds = self._kinds_at(nodes) if known is None else known[2]
+            known = self._around[name] = (self.space.topology, cells_around(self.space, nodes), kinds)
+        return known[1:]
+
+    def _kinds_at(self, nodes: np.ndarray) -> list[str]:
+        """The kinds of integrals over entities with any of the nodes."""
+        on_facets = {kind: self.solid.integrals(kind) for kind in (LOADS, FOLLOWERS)}
+        touching = [kind for kind, some in on_facets.items() if any(np.isin(one.entities, nodes).any() for one in some)]
+        return [INTERNAL, *touching]
 
 
 class MotionQuantities(PlaneQuantities):
