@@ -53,7 +53,7 @@ class Condensation:
         local = sp.csr_matrix(sp.bmat([[inside, self._beside], [self._beside_back, None]]))
         local.sort_indices()
         factor = interior_factor(self.count, border)
-        self.complement = own + factor.make(local) if self.count else own
+        self.complement = own + factor.make((local.indptr, local.indices, local.data)) if self.count else own
         fails = factor.singular or factor.negative or not np.isfinite(self.complement).all()
         factor.destroy()
         if fails:
