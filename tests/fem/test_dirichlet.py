@@ -56,7 +56,7 @@ def test_conditions_that_meet_are_compared_each_time_where_one_is_a_formula():
     supports = Dirichlet((4, 1), [condition(0, [0, 1], 1.0), condition(0, [1, 2], formula("x"))], {})
     supports.evaluate(X)
     np.testing.assert_allclose(supports.values[:, 0], [1.0, 1.0, 2.0, 0.0])
-    with pytest.raises(UserError, match="two supports prescribe different values"):
+    with pytest.raises(UserError, match="two edges prescribe different values"):
         supports.evaluate(X + 1.0)
 
 
@@ -66,5 +66,5 @@ def test_a_formula_that_rounds_to_almost_0_agrees_with_0():
     supports = Dirichlet((4, 1), [slope, condition(0, [1, 2], 0.0)], {})
     supports.evaluate(places)
     np.testing.assert_allclose(supports.values[:, 0], [4e-4, 0.0, 0.0, 0.0], atol=1e-18)
-    with pytest.raises(UserError, match="two supports prescribe different values"):
+    with pytest.raises(UserError, match="two edges prescribe different values"):
         supports.evaluate(places + 1e-11)

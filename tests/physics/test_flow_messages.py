@@ -190,6 +190,13 @@ def test_a_steady_flow_that_will_hardly_be_one_is_warned_of(command, tmp_path):
     assert "give [effects.flow] a time_step" in done.stdout
 
 
+def test_edges_with_two_velocities_where_they_meet_are_no_supports(command, tmp_path):
+    lid = '[boundary.lid]\non = "top"\nvelocity = [1, 0]\n'
+    write_scene(tmp_path, BASE.replace("[boundary.outlet]", f"{lid}[boundary.outlet]"))
+    found = command("replay", "scene.toml").stderr
+    assert "two edges prescribe different values at (0, 1) m" in found and "let edges that meet agree" in found, found
+
+
 @pytest.mark.parametrize(("viscosity", "counts"), [(0.1, True), (1.0, False)])
 def test_a_flow_without_inertia_that_is_not_slow_is_warned_of(command, tmp_path, viscosity, counts):
     write_scene(tmp_path, BASE.replace("convection = {}\n", "").replace("mu = 0.1", f"mu = {viscosity}"))

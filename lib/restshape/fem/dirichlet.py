@@ -130,9 +130,10 @@ class Dirichlet:
             return
         first = clash[0]
         x, y = X[condition.nodes[first]][:2]
+        kind = "edges" if condition.where.startswith("boundary.") else "supports"
         raise UserError(
-            f"two supports prescribe different values at ({x:.6g}, {y:.6g}) m: "
+            f"two {kind} prescribe different values at ({x:.6g}, {y:.6g}) m: "
             f"{values[first]:.6g} {self.unit} and {before[first]:.6g} {self.unit}",
             condition.where,
-            "let supports that meet agree where they meet",
+            f"let {kind} that meet agree where they meet",
         )
