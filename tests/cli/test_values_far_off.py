@@ -39,6 +39,23 @@ def test_values_of_scenes_and_of_scripts(tmp_path, command, key, value, words):
 
 
 @pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("loads.w.force.0", "set loads.w.force.0 sets parameters.p and, with it, loads.v.force.0; "),
+        ("parameters.p", ""),
+        ("loads.w.force.1", ""),
+        ("loads.u.force.0", ""),
+    ],
+)
+def test_a_number_of_a_parameter_that_gives_others_is_warned_of_where_it_is_set(tmp_path, command, key, words):
+    loads = "".join(f'[loads.{name}]\non = "right"\nforce = ["{given}", 1]\n' for name, given in zip("wvu", "ppq"))
+    scene = write_scene(tmp_path, head("solid") + "[parameters]\np = 5\nq = 7\n" + BODY + loads + MESH)
+    script = write_script(tmp_path, [{"do": "set", "key": key, "value": 9}])
+    found = warnings_of(command("check", scene, script))
+    assert len(found) == bool(words) and all(words in line for line in found)
+
+
+@pytest.mark.parametrize(
     ("more", "says"),
     [("", True), (PULL, False), ("[effects.gravity]\n", False), ("[effects.large_deformation]\n", True)],
 )

@@ -16,6 +16,7 @@ from restshape.mesh.sizing import PER_CIRCLE
 from restshape.replay.rounding import load_scales
 from restshape.scene.bare_lengths import bare_lengths
 from restshape.scene.edit_script import Script, Set
+from restshape.scene.given_numbers import edited_number, given_numbers
 from restshape.scene.load import revise
 from restshape.scene.model import Material, Scene
 from restshape.scene.plain_values import table_in
@@ -61,9 +62,24 @@ def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
         except (ReplayProblem, UserError):
             # The frame will say why it is refused.
             continue
+        words += _followers(scene, event)
         found += [f"line {event.line}: set {one}" for one in words if one not in known]
         known.update(words)
     return found
+
+
+def _followers(scene: Scene, event: Set) -> Iterator[str]:
+    """That a number is given by a parameter which gives others beside the shape too: all of them are set."""
+    key = edited_number(scene, event.key, event.value)
+    name = key.removeprefix("parameters.")
+    if key == event.key or name == key or event.key.startswith("shape."):
+        return
+    given = [(".".join(one.key), one.formula.parameters) for one in given_numbers(scene)]
+    others = [other for other, parameters in given if name in parameters and other != event.key]
+    if others:
+        more = f" and {len(others) - 2} more" if len(others) > 2 else ""
+        what = f"{event.key} sets {key} and, with it, {', '.join(others[:2])}{more}"
+        yield f"{what}; a number of its own in the scene is set alone"
 
 
 def _seen(scene: Scene, outline: Outline) -> list[str]:
