@@ -26,7 +26,7 @@ def calls(tmp_path, application, overrides, estimating):
 
 @pytest.mark.parametrize(
     ("application", "overrides", "estimating", "most"),
-    [("plane", [], False, 310), ("moving", STEPS, False, 440), ("moving", STEPS, True, 570)],
+    [("plane", [], False, 300), ("moving", STEPS, False, 430), ("moving", STEPS, True, 560)],
     ids=["static", "in time", "in time, estimated"],
 )
 def test_a_frame_of_level_1_calls_few_functions(tmp_path, application, overrides, estimating, most):

@@ -44,7 +44,7 @@ class FrameRows:
         self.solver, self.analysis, self.prediction = solver, solver.analysis, solver.prediction
         self.limits, self._moving = MovingLimits(), moving_limits(scene)
         self.edit: ScriptFrame | None = None
-        self._columns: dict[str, str] = {}
+        self._columns = Columns()
 
     def observed(self, scene: Scene, refused: str) -> dict[str, float]:
         """The quantities of a frame; no numbers in a refused one, whose last solution is of another shape."""
@@ -91,8 +91,9 @@ class FrameRows:
             "violated_constraints": "; ".join(map(formatted_constraint, violated)) if violated else "",
             "findings": violated,
         }
+        columns = self._columns
         for name, value in quantities.items():
-            row[self._column(name)] = value
+            row[columns[name]] = value
         if self._moving:
             row.update(self._moved(edit.scene))
         row["predicted"], row["refused"], row["stale"] = int(solver.predicted), refused, int(bool(refused))
@@ -100,19 +101,20 @@ class FrameRows:
             row.update(self.prediction.row())
         if solver.known and (own := self.analysis.row()):
             row.update(joined(row, without_values(own) if refused else own))
-        row["findings"] = encode_findings(findings_in(row))
+        row["findings"] = encode_findings(findings_in(row)) if row["findings"] else ""
         return row
-
-    def _column(self, name: str) -> str:
-        """The column of a quantity, made once."""
-        known = self._columns.get(name)
-        if known is None:
-            known = self._columns[name] = f"q_{name}"
-        return known
 
     def _moved(self, scene: Scene) -> dict[str, float]:
         """The limits of a frame that follow parameters."""
         return {limit_column(name, key): getattr(scene.quantities[name], key) for name, key in self._moving}
+
+
+class Columns(dict[str, str]):
+    """The columns of quantities by name, each made once."""
+
+    def __missing__(self, name: str) -> str:
+        column = self[name] = f"q_{name}"
+        return column
 
 
 def without_values(own: RowValues) -> RowValues:
