@@ -39,16 +39,41 @@ KEPT = (
 TIMES = ("ms", "ms_edit", "ms_relocate", "ms_map", "ms_flip", "ms_mesh", "ms_observe", "ms_estimate", "ms_record")
 
 
+class ProcessorStage(stages.Stage):
+    """Counts the processor's time of blocks of a stage."""
+
+    # Of all stages, the innermost one last: when it began, and the time of those within it.
+    blocks: list[list[float]] = []
+
+    def __init__(self, name: str, seconds: dict[str, float], *rest: object) -> None:
+        super().__init__(name, seconds, *rest)
+        self._seconds = seconds
+
+    def __enter__(self) -> None:
+        super().__enter__()
+        self.blocks.append([process_time(), 0.0])
+
+    def __exit__(self, *raised: object) -> None:
+        start, within = self.blocks.pop()
+        taken, before = process_time() - start, self._seconds[self.name]
+        super().__exit__(*raised)
+        self._seconds[self.name] = before + taken - within
+        if self.blocks:
+            self.blocks[-1][1] += taken
+
+
 @contextmanager
 def processor_time() -> Iterator[None]:
     """Let replays take their times from the processor's clock, not from the one on the wall."""
-    timed = (loop, stages, moving)
+    timed, stage = (loop, moving), stages.Stage
     clocks = [module.perf_counter for module in timed]
     for module in timed:
         module.perf_counter = process_time
+    stages.Stage = ProcessorStage
     try:
         yield
     finally:
+        stages.Stage = stage
         for module, clock in zip(timed, clocks):
             module.perf_counter = clock
 

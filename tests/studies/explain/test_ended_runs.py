@@ -1,9 +1,12 @@
 """Runs that price effects end in time, but no earlier than after a frame in which something is solved for."""
 
+from time import sleep
+
 import pytest
-from restshape_studies.explain.paired import measure
+from restshape_studies.explain.paired import measure, processor_time
 from small_scenes import across, drag, plate, write_scene, write_script
 
+from restshape.algebra import stages
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.policy import policy
@@ -21,3 +24,15 @@ def test_a_run_ends_after_a_frame_where_its_time_is_over(tmp_path, seconds, fram
     rows = measure(request, [[], []], None, seconds)
     for variant in range(2):
         assert sum(row["event"] == "drag" for row in rows if row["variant"] == variant) == frames
+
+
+def test_stages_have_the_processors_time():
+    with processor_time():
+        found = stages.Stages()
+    with found("krylov"):
+        with found("factor"):
+            sleep(0.05)
+            sum(range(200_000))
+        sleep(0.05)
+    assert 0.0 < found.seconds["factor"] < 0.04 and found.seconds["krylov"] < 0.02
+    assert not stages.Stages()._stages["values"].__class__.__name__.startswith("Processor")
