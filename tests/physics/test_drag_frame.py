@@ -84,6 +84,17 @@ def test_small_drags_take_few_steps_of_newton_to_the_rest_that_descents_find(
         assert state.x == pytest.approx(other.x, abs=100.0 * near)
 
 
+@pytest.mark.slow
+def test_newton_leaves_a_saddle_from_which_it_would_creep_away(tmp_path, monkeypatch):
+    found = rests(tmp_path, monkeypatch, UPRIGHT, CONTACT, PUSHED, first={"do": "idle"}, then=TOUCH, size=0.08)
+    # Forces are 0.01 to 0.05 of the weight where a branch ends there, and fall no more.
+    for frame, saddles in ((2, True), (6, False)):
+        report = found[frame][0].report
+        assert report.converged and report.stable
+        assert report.steps == report.newton <= 20
+        assert bool(report.saddles) == saddles
+
+
 def test_a_body_that_rests_deeper_than_contact_is_thick_is_dragged_by_newton(tmp_path, monkeypatch):
     soft = f"{CONTACT}stiffness = 1e4\nthickness = '0.05 mm'\n"
     back = {**PUSH, "value": -0.1398, "frames": 1}

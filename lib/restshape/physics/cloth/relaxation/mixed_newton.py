@@ -22,8 +22,9 @@ MOST, FEW, PATIENCE, BETTER = 40, 6, 7, 0.7
 so far, after which it is given up."""
 SELDOM = 5
 """Steps in a row without a definite true tangent, from which on it is tried in one of as many."""
-NEAR_SADDLE, ESCAPES = 1e-2, 2
-"""Residual over load at which a tangent that is not definite shows a saddle nearby; saddles that are left."""
+NEAR_SADDLE, CREEPING, ESCAPES = 1e-2, 5e-2, 2
+"""Residual over load at which a tangent that is not definite shows a saddle nearby; that at which it does so where a
+step has left more than a part of the least forces so far; saddles that are left."""
 
 
 class MixedNewton:
@@ -136,13 +137,14 @@ class MixedNewton:
                 # Friction has followed: these are other equations.
                 least, since = np.inf, 0
                 best = problem.energy(x), x.copy()
-            if self.lost and norm <= NEAR_SADDLE and escapes < ESCAPES and SaddleEscape(solver).escape(x):
-                log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
-                report.saddles += 1
-                escapes, least, since, self._tensions = escapes + 1, np.inf, 0, None
-                problem.residual(x, forces)
             since = 0 if norm <= BETTER * least else since + 1
             least = min(norm, least)
+            saddle = self.lost and norm <= (CREEPING if since else NEAR_SADDLE)
+            if saddle and escapes < ESCAPES and SaddleEscape(solver).escape(x):
+                log.info("Newton's method from the last rest: a saddle is left along the lowest mode")
+                report.saddles += 1
+                escapes, least, since, self._tensions = escapes + 1, norm, 0, None
+                problem.residual(x, forces)
             if since > PATIENCE or (d := self.way(x, forces, given, norm)) is None:
                 break
             x = self.go(x, d)
