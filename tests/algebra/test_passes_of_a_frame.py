@@ -119,3 +119,10 @@ def test_stages_within_others_count_once():
     with pytest.raises(KeyError, match="failed"), stages("values"):
         raise KeyError("failed")
     assert stages.seconds["values"] > 0.0
+
+
+def test_a_weighted_sum_takes_rows_in_any_order_and_of_any_numbers():
+    fields = [np.asfortranarray(RANDOM.normal(size=(300, 2))) for _ in range(3)] + [np.arange(600).reshape(300, 2)]
+    weights, found = [0.5, -2.0, 3.0, 0.25], np.empty((300, 2))
+    _kernels.weighted_sum(weights, fields, found)
+    np.testing.assert_allclose(found, sum(weight * field for weight, field in zip(weights, fields)), rtol=1e-14)

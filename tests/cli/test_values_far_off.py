@@ -55,6 +55,18 @@ def test_a_number_of_a_parameter_that_gives_others_is_warned_of_where_it_is_set(
     assert len(found) == bool(words) and all(words in line for line in found)
 
 
+def test_a_refused_set_of_a_formula_is_one_refused_frame(tmp_path, command):
+    loads = '[loads.w]\non = "right"\nforce = ["p+q", 1]\n'
+    scene = write_scene(tmp_path, head("solid") + "[parameters]\np = 5\nq = 7\n" + BODY + loads + MESH)
+    script = write_script(tmp_path, [{"do": "set", "key": "loads.w.force.0", "value": 9}, {"do": "idle"}])
+    found, played = command("check", scene, script), command("replay", scene, script)
+    why = "loads.w.force.0 is given by the formula 'p+q'"
+    assert found.returncode == 1 and why in found.stdout and "refused edits" in found.stdout, (
+        found.stdout + found.stderr
+    )
+    assert played.returncode == 0 and why in played.stdout + played.stderr, played.stderr
+
+
 @pytest.mark.parametrize(
     ("more", "says"),
     [("", True), (PULL, False), ("[effects.gravity]\n", False), ("[effects.large_deformation]\n", True)],

@@ -19,6 +19,7 @@ from restshape.analysis.frame import Frame
 from restshape.application import application_of
 from restshape.fem.residuals import design_rates, unconstrained_residual
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
+from restshape.physics.heated_flow.wall_layers import _short, buoyant_layer, is_stirred
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 from restshape.scene.load import load_scene
@@ -187,6 +188,29 @@ def test_a_check_warns_of_cells_that_do_not_show_the_layers_at_heated_walls(tmp_
     assert "is about 61 mm thick, and cells there are 100 mm" in warning and "heat may be off" in warning
     assert layers_warned_of(tmp_path, text, *given, "mesh.size=0.04") == []
     assert layers_warned_of(tmp_path, text, *given, 'mesh.near={left="4 cm",right="4 cm"}') == []
+
+
+@pytest.mark.parametrize(
+    ("hot", "cold", "rayleigh", "stirred"),
+    [
+        ("left", "right", 50.0, True),
+        ("bottom", "top", 1e4, True),
+        ("bottom", "top", 1.5e3, False),
+        ("top", "bottom", 1e7, False),
+    ],
+)
+def test_fluid_that_is_warm_above_or_hardly_below_has_no_layers(tmp_path, hot, cold, rayleigh, stirred):
+    outline = outline_from_spec(load_scene(write_scene(tmp_path, CAVITY + STEADY + BUOYANT + COARSE)).shape)
+    edges = {edge.name: k for k, edge in enumerate(outline.edges)}
+    given = {edges[hot]: np.full((3, 1), 310.0), edges[cold]: np.full((3, 1), 300.0)}
+    assert is_stirred(outline, given, np.array([0.0, -1.0]), rayleigh) == stirred
+    assert is_stirred(outline, {edges[hot]: given[edges[hot]]}, np.array([0.0, -1.0]), rayleigh)
+
+
+def test_layers_are_there_where_heat_is_carried_and_their_sizes_have_no_powers_of_ten():
+    assert np.isinf(buoyant_layer(1.0, 0.0)) and np.isinf(buoyant_layer(1.0, 100.0))
+    assert buoyant_layer(1.0, 1e4) == pytest.approx(1 / 2.9)
+    assert [_short(612.3, 2), _short(20.4, 1), _short(0.0351, 1)] == ["610", "20", "0.04"]
 
 
 def test_a_check_warns_of_cells_that_do_not_show_the_layers_below_a_stream(tmp_path):

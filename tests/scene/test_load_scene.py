@@ -1,6 +1,7 @@
 """Scenes: what a file says is what the models hold, in SI; what is wrong is reported with key, line and suggestion."""
 
 import math
+import re
 
 import pytest
 from small_scenes import plate, write_scene
@@ -208,6 +209,10 @@ def test_materials_of_regions(scene_file):
         UserError, match=r"brass .*: its thickness is left out, which is 1 m, and material\.steel has one"
     ):
         load_scene(scene_file)
+    # Edits give one after the other.
+    scene_file.write_text(re.sub(r"thickness = .*\n", "", text))
+    one = revise(load_scene(scene_file), "material.steel.thickness", 0.02)
+    assert revise(one, "material.brass.thickness", 0.02).material["brass"].thickness == 0.02
 
 
 def test_models_can_be_made_in_code():

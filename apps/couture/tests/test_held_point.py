@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 
 import restshape
+from restshape.application import application
 from restshape.cli.main import main
+from restshape.physics.cloth.sensitivity.support_rates import support_rates
 from restshape.scene.held_point import hold_of
+from restshape.scene.load import load_scene
+from restshape.shape.build import outline_from_spec
+from restshape.shape.pieces import PieceFinder
 
 STRIP = {
     "format": "restshape-scene",
@@ -185,6 +190,28 @@ def test_a_derivative_keeps_the_node_under_the_hand_where_two_are_as_near():
         there = simulation.press("b").to(0.4, -1e-4).quantities["energy"]
         assert np.isfinite(slopes).all()
         assert (there - here) / -1e-4 == pytest.approx(slopes[1], rel=2e-2)
+
+
+@pytest.mark.parametrize("name", ["sewn_skirt", "tabard", "collar"])
+def test_a_corner_of_a_panel_is_of_that_panel(name):
+    outline = outline_from_spec(load_scene(application("couture").folder / "scenes" / f"{name}.toml").shape)
+    finder = PieceFinder(outline)
+    pieces = [loop for loop in outline.loops if loop.kind == "outline"]
+    assert len(pieces) > 1
+    for number, loop in enumerate(pieces):
+        corners = [outline.point(edge, end)[0] for edge, _ in loop.edges for end in (0.0, 1.0)]
+        assert {finder.of_point(corner) for corner in corners} == {number}
+
+
+def test_rates_of_supports_leave_the_node_under_the_hand_where_another_is_nearer():
+    grabbed = {**STRIP, "hold": {"at": [0.4, 0.05], "to": [0.35, 0.05, -0.05]}}
+    with restshape.open(restshape.new_scene(grabbed)) as simulation:
+        problem, scene = simulation._replay.analysis.state.problem, simulation._replay.analysis.state.scene
+        mesh, hand = problem.mesh, problem.supports.hand
+        nearer = mesh.X.copy()
+        nearer[:, 1] -= 2.0 * (mesh.X[hand[0], 1] - 0.05)
+        rates = support_rates(problem, scene, np.ones_like(mesh.X))
+        assert np.abs(rates[problem.corner_number[hand]]).max() == 0.0
 
 
 def test_the_command_script_writes_the_way_of_a_point(tmp_path, capsys):

@@ -259,7 +259,7 @@ void keep_step(const Reals& now, const Reals& before, const Reals& products, py:
     products_of[place * kept + place] = products.data()[kept];
 }
 
-// A vector like another one, which is made once and lives as long as that one does.
+// A vector like another one, which is made once and lives as long as that one, or a duplicate of it, does.
 Vec vector_beside(Vec vector) {
     constexpr const char* name = "restshape_beside";
     PetscObject known = nullptr;

@@ -86,7 +86,8 @@ inline BorderedPattern bordered_pattern(const SharedRows& rows, const PetscInt* 
             const PetscInt i = number[row];
             if (i < 0 || i >= inside) continue;
             rows.each(row, [&](PetscInt column, PetscInt entry) {
-                if (number[column] < 0) throw std::invalid_argument("a row inside couples with what is not the border");
+                if (number[column] < 0 || number[column] >= size)
+                    throw std::invalid_argument("a row inside couples with what is not the border");
                 visit(i, number[column], entry);
             });
         }

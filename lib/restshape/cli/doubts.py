@@ -58,11 +58,10 @@ def script_doubts(scene: Scene, outline: Outline, script: Script) -> list[str]:
     known, found = set(_seen(scene, outline)), []
     for event in [one for one in script.events if isinstance(one, Set)][:MOST_SETS]:
         try:
-            words = _seen(revise(scene, event.key, event.value), outline)
+            words = [*_seen(revise(scene, event.key, event.value), outline), *_followers(scene, event)]
         except (ReplayProblem, UserError):
             # The frame will say why it is refused.
             continue
-        words += _followers(scene, event)
         found += [f"line {event.line}: set {one}" for one in words if one not in known]
         known.update(words)
     return found

@@ -57,7 +57,8 @@ def check_shaped(scene: Scene, application: Application, source: Source) -> None
     check_parameters(scene, application, source)
     if materials:
         _check_materials(scene, source)
-        _refuse_mixed_thickness(scene, source)
+        if not source.revised:
+            _refuse_mixed_thickness(scene, source)
     _check_references(scene, source)
     _check_formulas(scene, source)
     _check_mesh(scene, application, source)
@@ -155,7 +156,7 @@ def check_parameters(scene: Scene, _: Application, source: Source) -> None:
 def _refuse_mixed_thickness(scene: Scene, source: Source) -> None:
     """Refuses a thickness that one material leaves out, and another one has: it would be 1 m.
 
-    Recordings of scenes from before this was refused are still read.
+    Recordings of scenes from before this was refused are still read, and edits may give one after the other.
     """
     given = [name for name, material in scene.material.items() if "thickness" in material.model_fields_set]
     for name, material in scene.material.items():

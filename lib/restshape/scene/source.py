@@ -89,6 +89,7 @@ class Source:
         named: files that the command line names itself, wherever they lie.
         recorded: the tables come from a recording, which names no file that is read.
         edited: parts of the shape that edits have made, which the tables may name, and what each is.
+        revised: a key was changed after the scene was read.
     """
 
     path: Path
@@ -97,6 +98,7 @@ class Source:
     named: tuple[str, ...] = ()
     recorded: bool = False
     edited: Mapping[str, str] = field(default_factory=dict)
+    revised: bool = False
     lines: dict[tuple[str, ...], int] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -117,6 +119,7 @@ class Source:
     def overriding(self, key: tuple[str, ...]) -> "Source":
         """The same text, shared, with one more key that stands on no line."""
         source = copy(self)
+        source.revised = True
         if key not in self.overridden:
             source.overridden = (*self.overridden, key)
         return source

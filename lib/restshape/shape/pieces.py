@@ -9,7 +9,7 @@ from restshape.shape.outline import Loop, Outline
 
 
 class PieceFinder:
-    """Finds the piece of an outline that something lies in; it is the first where there is one, or none around it.
+    """Finds the piece of an outline that something lies in, or is nearest to where none is around it.
 
     Args:
         outline: whose loops may be turned either way.
@@ -34,8 +34,13 @@ class PieceFinder:
         return self.of_point(self._outline.point(first, 0.5)[0])
 
     def of_point(self, place: Reals) -> int:
-        """Number of the outline that a place (2,) [m] lies in."""
-        return next((k for k, polygon in enumerate(self._polygons) if _inside(polygon, place)), 0)
+        """Number of the outline that a place (2,) [m] lies in, or is nearest to."""
+        if not self._polygons:
+            return 0
+        inside = next((k for k, polygon in enumerate(self._polygons) if _inside(polygon, place)), None)
+        if inside is not None:
+            return inside
+        return int(np.argmin([_distance(polygon, place) for polygon in self._polygons]))
 
     def _polygon(self, loop: int) -> Reals:
         return _polygon(self._outline, self._outline.loops[loop])

@@ -45,8 +45,8 @@ def inspect_flow(scene: Scene, outline: Outline) -> Inspection:
 def _doubts(scene: Scene, outline: Outline, number: float) -> tuple[str, ...]:
     """That a flow at this Reynolds number is not slow, or that a steady one may be none."""
     if "convection" not in scene.effects and number > SLOW:
-        what = f"at a Reynolds number of {number:.3g} inertia counts, and the scene leaves it out"
-        return (f"{what}: add [effects.convection]",)
+        what = f"at a Reynolds number of {number:.3g} inertia counts where the fluid turns or speeds up"
+        return (f"{what}, and the scene leaves it out: add [effects.convection]",)
     in_time = scene.effects.get("flow", {}).get("time_step") is not None
     around = any(loop.kind == "hole" for loop in outline.loops)
     if in_time or "convection" not in scene.effects or number < (STEADY_BEHIND if around else STEADY):

@@ -6,7 +6,7 @@ from restshape.physics.heat.temperature_jumps import edge_temperatures, temperat
 from restshape.physics.heated_flow.fluid_heat import heat_properties
 from restshape.physics.heated_flow.heated_flow_conditions import given_temperatures
 from restshape.physics.heated_flow.temperature_differences import differences, span
-from restshape.physics.heated_flow.wall_layers import buoyant_layer, forced_layer, hidden_layers
+from restshape.physics.heated_flow.wall_layers import buoyant_layer, forced_layer, hidden_layers, is_stirred
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline
@@ -30,8 +30,8 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
         return still
     g, fluid = np.array(scene.effects["gravity"]["g"], dtype=float), scene.fluid
     size = float(np.linalg.norm(g))
-    known = [values.ravel() for values in edge_temperatures(scene, outline, given).values()]
-    every = np.concatenate([*known, span(scene, on)])
+    known = edge_temperatures(scene, outline, given)
+    every = np.concatenate([*(values.ravel() for values in known.values()), span(scene, on)])
     low, high = float(every[every > 0.0].min(initial=np.inf)), float(every.max())
     if size == 0.0 or high <= low:
         return still
@@ -46,5 +46,7 @@ def inspect_heated_flow(scene: Scene, outline: Outline) -> Inspection:
     ]
     what = f"at a Rayleigh number of {rayleigh:.3g} layers at walls are turbulent, for which there is no model"
     doubts = (f"{what}: cells would have to show the eddies",) if rayleigh > TURBULENT else ()
-    layers = hidden_layers(scene, outline, min(forced, buoyant_layer(height, rayleigh)))
+    stirred = is_stirred(outline, known, g / size, rayleigh)
+    buoyant = buoyant_layer(height, rayleigh) if stirred else np.inf
+    layers = hidden_layers(scene, outline, min(forced, buoyant))
     return Inspection({"rayleigh": rayleigh, "prandtl": viscosity / diffusivity}, rows, (*jumps, *doubts, *layers))

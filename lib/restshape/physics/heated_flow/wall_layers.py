@@ -1,7 +1,10 @@
 """Layers of fluid at walls that heat passes: how thick they are, and whether cells are small enough to show them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
+from restshape.arrays import Reals
 from restshape.physics.flow.flow_conditions import edge_kinds
 from restshape.physics.flow.reynolds import characteristic_length, stream
 from restshape.physics.heated_flow.fluid_heat import heat_properties
@@ -12,13 +15,37 @@ SHOWN = 0.8
 """Size of cells at a wall, over the thickness of its layer, from which heat may be off by a tenth and more."""
 
 
+ONSET = 1708.0
+"""Rayleigh number from which fluid between level walls moves that are heated from below: Lord Rayleigh; H. Jeffreys."""
+
+
+def is_stirred(outline: Outline, temperatures: Mapping[int, Reals], gravity: Reals, rayleigh: float) -> bool:
+    """Whether differences of temperature move a fluid: it stays at rest where all that is warm is above what is cold.
+
+    Args:
+        outline: of the fluid; gravity: (2,) of length 1, downwards.
+        temperatures: (m, times) [K] of edges, as far as they are given.
+        rayleigh: the Rayleigh number; below level walls that are warm it has to be above `ONSET`.
+    """
+    known = [(float(values.mean()), -(outline.polyline(edge) @ gravity)) for edge, values in temperatures.items()]
+    if len({temperature for temperature, _ in known}) < 2:
+        return True
+    middle = 0.5 * (max(known, key=lambda one: one[0])[0] + min(known, key=lambda one: one[0])[0])
+    warm = np.concatenate([heights for temperature, heights in known if temperature > middle])
+    cold = np.concatenate([heights for temperature, heights in known if temperature <= middle])
+    if warm.min() >= cold.max():
+        return False
+    return warm.max() > cold.min() or rayleigh > ONSET
+
+
 def buoyant_layer(height: float, rayleigh: float) -> float:
     """The thickness [m] of the layer at a wall of this height [m], over which its heat is conducted.
 
     It is the height over the Nusselt number, 0.29 Ra^(1/4) for a square that is heated from one side: G. de Vahl Davis,
-    Int. J. Numer. Meth. Fluids 3 (1983) 249.
+    Int. J. Numer. Meth. Fluids 3 (1983) 249. Where that is below 1 heat is conducted alone, and there is no layer.
     """
-    return height / (0.29 * rayleigh**0.25)
+    nusselt = 0.29 * rayleigh**0.25
+    return height / nusselt if nusselt > 1.0 else np.inf
 
 
 def forced_layer(scene: Scene, outline: Outline) -> float:
@@ -59,7 +86,13 @@ def hidden_layers(scene: Scene, outline: Outline, layer: float) -> tuple[str, ..
     if not found:
         return ()
     size, name = max(found)
-    what = (
-        f"the warm or cold layer at {name} is about {1e3 * layer:.2g} mm thick, and cells there are {1e3 * size:.3g} mm"
+    thick, cells = f"{_short(1e3 * layer, 2)} mm", f"{1e3 * size:.3g} mm"
+    what = f"the warm or cold layer at {name} is about {thick} thick, and cells there are {cells}"
+    return (
+        f"{what}: heat may be off by a tenth and more; set mesh.near.{name} to {_short(1e3 * layer / 3, 1)} mm or so",
     )
-    return (f"{what}: heat may be off by a tenth and more; set mesh.near.{name} to {1e3 * layer / 3:.1g} mm or so",)
+
+
+def _short(number: float, digits: int) -> str:
+    """A number of so many digits, without a power of ten where it is of usual size."""
+    return f"{float(f'{number:.{digits}g}'):g}"

@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.entity_sets import nodes_on
 from restshape.physics.cloth.body_motion import taken_rates
-from restshape.physics.cloth.cloth_supports import AXES, nodes_of_hand
+from restshape.physics.cloth.cloth_supports import AXES
 from restshape.physics.cloth.fabric import FabricRates
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.physics.cloth.layers import stiffness_share
@@ -286,7 +286,7 @@ def _support_rates(state: RelaxationState, number: ChangingNumber) -> tuple[np.n
             if direction != "slope":
                 axis, where = AXES.index(direction), f"supports.{name}.fix.{direction}"
                 places[nodes, axis] = placed[nodes, axis] + number.rates(value, where, coordinates[nodes])
-    places[nodes_of_hand(scene, mesh)] = 0.0
+    places[problem.supports.hand] = 0.0
     out = np.zeros((problem.n_nodes, 3))
     out[problem.corner_number] = np.where(mask, places, 0.0)
     if problem.morley:

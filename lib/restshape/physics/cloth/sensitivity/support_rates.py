@@ -7,7 +7,7 @@ import numpy as np
 from restshape.fem.entity_sets import nodes_on
 from restshape.fem.nodal_values import Nodal
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.cloth_supports import AXES, nodes_of_hand
+from restshape.physics.cloth.cloth_supports import AXES
 from restshape.physics.cloth.initial_placement import InitialPlacement
 from restshape.scene.model import Scene
 from restshape.shape.placement import rotation
@@ -30,7 +30,7 @@ def support_rates(problem: ClothProblem, scene: Scene, dX: np.ndarray) -> np.nda
                 axis = AXES.index(direction)
                 moved = Nodal(value, scene.parameters, f"supports.{name}.fix.{direction}")
                 places[nodes, axis] = flat[nodes, axis] + moved.rate(coordinates[nodes], dX[nodes])
-    places[nodes_of_hand(scene, mesh)] = 0.0
+    places[problem.supports.hand] = 0.0
     out = np.zeros((problem.n_nodes, 3))
     out[problem.corner_number] = np.where(problem.supports.mask, places, 0.0)
     if problem.morley:
