@@ -63,12 +63,12 @@ void weighted_sum(const py::list& weights, const py::list& rows, Reals out) {
         throw std::invalid_argument("rows must be as many as weights, at most 16");
     double weight[most];
     const double* from[most];
-    std::vector<Reals> held;  // a row that is not contiguous is copied: it lives until the sum is made
-    held.reserve(count);
+    std::vector<Reals> kept;  // a row that is not contiguous is copied: it lives until the sum is made
+    kept.reserve(count);
     for (size_t k = 0; k < count; ++k) {
-        held.push_back(py::cast<Reals>(rows[k]));
-        if (held.back().size() != out.size()) throw std::invalid_argument("rows must have the size of out");
-        from[k] = held.back().data();
+        kept.push_back(py::cast<Reals>(rows[k]));
+        if (kept.back().size() != out.size()) throw std::invalid_argument("rows must have the size of out");
+        from[k] = kept.back().data();
         weight[k] = py::cast<double>(weights[k]);
     }
     double *to = out.mutable_data(), sum[strip];
