@@ -207,7 +207,7 @@ def test_fluid_that_is_warm_above_or_hardly_below_has_no_layers(tmp_path, hot, c
     assert is_stirred(outline, {edges[hot]: given[edges[hot]]}, np.array([0.0, -1.0]), rayleigh)
 
 
-def test_layers_are_there_where_heat_is_carried_and_their_sizes_have_no_powers_of_ten():
+def test_no_layer_is_found_where_heat_is_conducted_alone_and_sizes_have_no_powers_of_ten():
     assert np.isinf(buoyant_layer(1.0, 0.0)) and np.isinf(buoyant_layer(1.0, 100.0))
     assert buoyant_layer(1.0, 1e4) == pytest.approx(1 / 2.9)
     assert [_short(612.3, 2), _short(20.4, 1), _short(0.0351, 1)] == ["610", "20", "0.04"]
