@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.physics.cloth.parameters import UPPER
+from restshape.physics.cloth.sheet.parameters import UPPER
 
 
 def membrane_params(C: np.ndarray, load: np.ndarray | tuple[float, float, float] = (0.0, 0.0, 0.0)) -> np.ndarray:

@@ -11,14 +11,14 @@ from restshape.live.extreme_marks import ExtremeMarks
 from restshape.live.kept_marks import kept, of_answers
 from restshape.live.seen_frame import SeenFrame
 from restshape.live.shown_marks import NOWHERE, Lines, Mark, Words
-from restshape.physics.cloth.seams import OPEN
+from restshape.physics.cloth.seams.seams import OPEN
 from restshape.physics.cloth.trust import stretched_most
 
 if TYPE_CHECKING:
     from restshape.interface.simulation import Simulation
     from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
     from restshape.physics.cloth.relaxation.state import RelaxationState
-    from restshape.physics.cloth.seams import Seams
+    from restshape.physics.cloth.seams.seams import Seams
 
 LEAST_STRAIN = 1e-3
 """Strain from which on it is shown where cloth is stretched most."""

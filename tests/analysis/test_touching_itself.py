@@ -10,8 +10,8 @@ from restshape.application import application_of
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
-from restshape.physics.cloth.self_contact import SelfContact
-from restshape.physics.cloth.touching_itself import touches_itself
+from restshape.physics.cloth.self_contact.self_contact import SelfContact
+from restshape.physics.cloth.self_contact.touching_itself import touches_itself
 from restshape.scene.plan import plan
 
 SELF = "effects.contact.self"

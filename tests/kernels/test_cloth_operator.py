@@ -11,8 +11,8 @@ from restshape import _kernels as k
 from restshape.algebra.operator import Operator
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.parameters import lumped
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.sheet.parameters import lumped
 from restshape.physics.elasticity.stiffness import isotropic, plane_stress
 
 C = plane_stress(isotropic(2.0, 0.3))

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from restshape import _kernels as k
-from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.contact.contact import Contact
 
 TURN = Rotation.from_rotvec([0.3, -0.8, 0.5]).as_matrix()
 CENTRE = np.array([0.1, -0.2, 0.3])

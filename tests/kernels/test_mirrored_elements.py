@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from restshape import _kernels as k
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import edges_of_cells
-from restshape.physics.cloth.parameters import HINGE_STIFFNESS, lumped
+from restshape.physics.cloth.sheet.parameters import HINGE_STIFFNESS, lumped
 
 ALONG = np.array([0.6, -0.5, 0.0])
 T = ALONG / np.linalg.norm(ALONG)

@@ -18,7 +18,7 @@ from restshape.mesh.generate import generate
 from restshape.mesh.hinges import hinges
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.parameters import HINGE_STIFFNESS, lumped
+from restshape.physics.cloth.sheet.parameters import HINGE_STIFFNESS, lumped
 from restshape.scene.model import MeshSpec, ShapeSpec
 from restshape.shape.build import outline_from_spec
 from restshape.shape.outline import Outline

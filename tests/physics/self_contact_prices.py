@@ -13,7 +13,7 @@ import numpy as np
 from test_cloth_crossings import grid
 
 from restshape import _kernels
-from restshape.physics.cloth.collision_surface import CollisionSurface, columns
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface, columns
 
 
 def least(function, times=5):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.body_motion import moved_with, turn_of, turned_share, turning_of
 from restshape.physics.cloth.body_path import between
+from restshape.physics.cloth.contact.body_motion import moved_with, turn_of, turned_share, turning_of
 from restshape.scene.bodies import Body
 
 POINTS = np.random.default_rng(0).normal(size=(6, 3))

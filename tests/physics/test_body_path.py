@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from restshape.physics.cloth.body_path import BodyPath, between, speed_of
-from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.contact.contact import Contact
 from restshape.physics.cloth.scene import kernel_body
 from restshape.scene.bodies import Body
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
 
 
 def grid(n):

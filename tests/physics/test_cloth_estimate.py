@@ -15,14 +15,14 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.mesh.generate import generate
 from restshape.mesh.nested import NestedMesh
-from restshape.physics.cloth.cloth_boundary import ClothSupports
-from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.patch_curvature import PatchCurvature
 from restshape.physics.cloth.relaxation.binding import bind
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.sheet.cloth_boundary import ClothSupports
+from restshape.physics.cloth.sheet.cloth_error_estimate import ClothEstimate
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.patch_curvature import PatchCurvature
 from restshape.policy import policy
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec, ShapeSpec

@@ -7,10 +7,10 @@ from cloths import BALL, CONTACT, PIN, cloth
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.generate import generate
-from restshape.physics.cloth.cloth_material_keys import ClothMaterial
-from restshape.physics.cloth.cloth_materials import bending, membrane
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.scene import cloth_arguments
+from restshape.physics.cloth.sheet.cloth_material_keys import ClothMaterial
+from restshape.physics.cloth.sheet.cloth_materials import bending, membrane
 from restshape.scene.load import revise
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec

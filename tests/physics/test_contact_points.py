@@ -7,10 +7,10 @@ from petsc4py import PETSc
 from restshape import _kernels
 from restshape.algebra.operator import Operator
 from restshape.fem.assembled import Assembled
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.contact_points import MOST_PARTS, ContactPoints, lattice
-from restshape.physics.cloth.parameters import lumped, lumped_rates, triangle_areas, triangle_rates
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.contact_points import MOST_PARTS, ContactPoints, lattice
 from restshape.physics.cloth.point_forces import PointForces, TriangleForces
+from restshape.physics.cloth.sheet.parameters import lumped, lumped_rates, triangle_areas, triangle_rates
 
 X = np.array([[0.0, 0.0], [0.03, 0.0], [0.0, 0.03], [0.03, 0.03], [0.06, 0.01]])
 CELLS = np.array([[0, 1, 2], [1, 3, 2], [1, 4, 3]], dtype=np.int32)

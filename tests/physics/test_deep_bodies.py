@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from small_scenes import block, head, make_replay, meshed, write_scene, write_script
 
+from restshape.physics.cloth.contact.tunnelling import deepened, penetrations
 from restshape.physics.cloth.relaxation.binding import brought_deep
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
-from restshape.physics.cloth.tunnelling import deepened, penetrations
 
 CURTAIN = f"""
 {head("cloth")}{block(0.06, 0.3)}

@@ -11,10 +11,10 @@ from petsc4py import PETSc
 from restshape.algebra.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.physics.cloth.membrane import stretching
+from restshape.physics.cloth.contact.tunnelling import penetrations
 from restshape.physics.cloth.relaxation import binding
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
-from restshape.physics.cloth.tunnelling import penetrations
+from restshape.physics.cloth.sheet.membrane import stretching
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

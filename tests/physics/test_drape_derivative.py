@@ -10,7 +10,7 @@ from small_scenes import across, drag, write_scene, write_script
 
 from restshape._kernels import Body
 from restshape.errors import ReplayProblem
-from restshape.physics.cloth.contact import Contact, FrictionHistory
+from restshape.physics.cloth.contact.contact import Contact, FrictionHistory
 from restshape.physics.cloth.sensitivity.agreed_contact import AgreedContact
 
 WAY = -3e-3

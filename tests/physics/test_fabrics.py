@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS, ClothMaterial
-from restshape.physics.cloth.cloth_materials import bending, membrane
+from restshape.physics.cloth.sheet.cloth_material_keys import CLOTH_MATERIALS, ClothMaterial
+from restshape.physics.cloth.sheet.cloth_materials import bending, membrane
 from restshape.scene.materials import FABRIC
 from restshape.scene.scene_type import material_type
 

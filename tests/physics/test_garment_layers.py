@@ -11,11 +11,11 @@ from restshape import _kernels
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.layer_order import LayerOrder, Layers, is_another_order, outer_sides
-from restshape.physics.cloth.lines_through import lines_through
-from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
-from restshape.physics.cloth.sewn_neighbours import shared_nodes, with_shared
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.out_of_bodies import brought_out, still_inside, through_words
+from restshape.physics.cloth.seams.sewn_neighbours import shared_nodes, with_shared
+from restshape.physics.cloth.self_contact.layer_order import LayerOrder, Layers, is_another_order, outer_sides
+from restshape.physics.cloth.self_contact.lines_through import lines_through
 from restshape.scene.load import load_scene
 
 THICK = 2e-3
@@ -153,7 +153,7 @@ def test_the_outer_side_of_a_panel_is_that_which_looks_away_from_bodies():
 
 
 def test_layers_that_do_not_come_to_their_order_are_reported(monkeypatch):
-    monkeypatch.setattr("restshape.physics.cloth.layer_order.ROUNDS", 1)
+    monkeypatch.setattr("restshape.physics.cloth.self_contact.layer_order.ROUNDS", 1)
     x, layers = sheets(0.03, 0.02)
     assert not layers.in_order(x, np.ones(len(x), bool), 5e-3)[1]
 

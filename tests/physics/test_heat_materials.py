@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS
+from restshape.physics.cloth.sheet.cloth_material_keys import CLOTH_MATERIALS
 from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.heat.heat_declaration import HEAT, ThermalMaterial
 from restshape.scene.materials import LIBRARY, library

@@ -7,7 +7,7 @@ from body_meshes import ball, box, torus
 from restshape import _kernels
 from restshape.mesh.closed_surface import ClosedSurface
 from restshape.mesh.surface_distance import _restored, make_distance
-from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.contact.contact import Contact
 from restshape.shape.placement import rotation, rotation_rates
 
 pytestmark = pytest.mark.skipif(not _kernels.has_cgal, reason="bodies of triangles need CGAL")

@@ -7,9 +7,9 @@ from small_scenes import head, make_replay, meshed, write_scene, write_script
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
+from restshape.physics.cloth.contact.thin_bodies import borne
 from restshape.physics.cloth.free_pieces import falling_pieces
 from restshape.physics.cloth.relaxation.binding import mesh_in_frames
-from restshape.physics.cloth.thin_bodies import borne
 from restshape.scene.edge_names import edge_suggestion
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise

@@ -7,9 +7,9 @@ from scipy.spatial.transform import Rotation
 from small_scenes import head, make_replay, meshed, write_scene, write_script
 from test_cloth_crossings import grid
 
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.layer_friction import LayerFriction, Touching
-from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction, Touching
+from restshape.physics.cloth.self_contact.self_contact import SelfContact, SelfContactValues
 
 PANEL = """
 [panels.{name}]

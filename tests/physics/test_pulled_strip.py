@@ -11,7 +11,7 @@ from restshape import _kernels
 from restshape.algebra.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
-from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.contact.contact import Contact
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

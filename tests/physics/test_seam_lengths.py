@@ -4,7 +4,7 @@ import pytest
 from small_scenes import write_scene
 from test_pattern_panels import garment, panel
 
-from restshape.physics.cloth.seam_lengths import inspect_seams
+from restshape.physics.cloth.seams.seam_lengths import inspect_seams
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 

@@ -7,7 +7,7 @@ from test_pattern_panels import garment
 
 from restshape.application import application
 from restshape.physics.cloth.relaxation.start_check import check_start
-from restshape.physics.cloth.seam_order import FEW, Order
+from restshape.physics.cloth.seams.seam_order import FEW, Order
 from restshape.scene.load import load_scene
 from restshape.scene.plan import plan
 from restshape.shape.build import outline_from_spec

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.physics.cloth.seam_lines import ALIKE, SeamLine, turned_round
+from restshape.physics.cloth.seams.seam_lines import ALIKE, SeamLine, turned_round
 
 
 def side(points) -> tuple[np.ndarray, SeamLine, int]:

@@ -14,14 +14,14 @@ from restshape.fem.elements import HINGE, SEAM_FLAT
 from restshape.fem.integral import Integral
 from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.membrane import Membrane
 from restshape.physics.cloth.relaxation.close_seams import close_seams, has_opened
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
-from restshape.physics.cloth.seams import Seams, Springs
+from restshape.physics.cloth.seams.seam_lines import SeamLine, SeamPair
+from restshape.physics.cloth.seams.seams import Seams, Springs
 from restshape.physics.cloth.sensitivity.hand_rates import node_motion
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.membrane import Membrane
 from restshape.scene.load import load_scene
 
 TUBE = """

@@ -6,10 +6,10 @@ from scipy.interpolate import griddata
 from test_cloth_crossings import grid
 
 from restshape import _kernels
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.layer_friction import LayerFriction, Touching
-from restshape.physics.cloth.self_contact import VOIGT, SelfContact, SelfContactValues
-from restshape.physics.cloth.touching_pairs import barrier_force, touching
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction, Touching
+from restshape.physics.cloth.self_contact.self_contact import VOIGT, SelfContact, SelfContactValues
+from restshape.physics.cloth.self_contact.touching_pairs import barrier_force, touching
 
 D, STIFFNESS, FRICTION, SLIP = 0.03, 2.0, 0.4, 1e-3
 

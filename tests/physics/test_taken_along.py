@@ -9,11 +9,11 @@ from petsc4py import PETSc
 
 from restshape.application import application
 from restshape.calibration import Calibration
+from restshape.physics.cloth.contact.tunnelling import penetrations
 from restshape.physics.cloth.relaxation import binding
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.taken_along import common_shift
 from restshape.physics.cloth.trust import largest_stretch
-from restshape.physics.cloth.tunnelling import penetrations
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from restshape import _kernels
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.out_of_bodies import Bodies
-from restshape.physics.cloth.untangling import Untangling
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.out_of_bodies import Bodies
+from restshape.physics.cloth.self_contact.untangling import Untangling
 
 
 def folded(height, n=10):

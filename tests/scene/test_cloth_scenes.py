@@ -8,7 +8,7 @@ from restshape_studies.explain.without import without
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.cloth.cloth_declaration import CLOTH
-from restshape.physics.cloth.cloth_material_keys import ClothMaterial
+from restshape.physics.cloth.sheet.cloth_material_keys import ClothMaterial
 from restshape.physics.cloth.support_keys import ClothSupport
 from restshape.scene.bodies import Body
 from restshape.scene.load import load_scene, revise

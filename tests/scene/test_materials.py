@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from restshape.errors import UserError
 from restshape.physics.cloth.cloth_declaration import CLOTH
-from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS
+from restshape.physics.cloth.sheet.cloth_material_keys import CLOTH_MATERIALS
 from restshape.physics.elasticity.elasticity_declaration import FREE_VIBRATIONS, PLANE_SOLIDS
 from restshape.physics.elasticity.elasticity_material_keys import ELASTIC_MATERIALS, ElasticMaterial
 from restshape.physics.elasticity.stiffness import isotropic, orthotropic, plane_stress, stiffness_of, turned

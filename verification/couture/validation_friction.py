@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 from restshape.application import application
 from restshape.interface.first_frame import first_frame
-from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.contact.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 

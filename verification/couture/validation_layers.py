@@ -17,12 +17,12 @@ from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.interface.first_frame import first_frame
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothSupports
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
+from restshape.physics.cloth.self_contact.self_contact import SelfContact, SelfContactValues
+from restshape.physics.cloth.sheet.cloth_boundary import ClothSupports
 
 SCENES = application("couture").folder / "scenes"
 FOLDED = [

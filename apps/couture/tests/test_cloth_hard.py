@@ -23,8 +23,8 @@ from restshape.algebra.descent import Descent
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.thin_bodies import BORNE, borne
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.thin_bodies import BORNE, borne
 from restshape.scene.load import load_scene, revise
 from restshape.scene.plan import plan
 

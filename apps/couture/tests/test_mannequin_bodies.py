@@ -7,9 +7,9 @@ from restshape import _kernels
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.physics.cloth import body_path
-from restshape.physics.cloth.body_columns import body_columns, body_row, recorded_bodies
-from restshape.physics.cloth.body_motion import is_remade, moved_with
 from restshape.physics.cloth.body_path import BodyPath, between, goes_on, same_kind
+from restshape.physics.cloth.contact.body_columns import body_columns, body_row, recorded_bodies
+from restshape.physics.cloth.contact.body_motion import is_remade, moved_with
 from restshape.physics.cloth.mannequin.body_shape import BodyShape
 from restshape.physics.cloth.mannequin.growth import growth, mannequin_distance
 from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber, number_keys

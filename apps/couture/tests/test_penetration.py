@@ -6,7 +6,7 @@ from restshape_studies.stability.case import Trial
 from restshape_verification.couture.drapes import ball, box, fabric, scene, sheet, start
 from restshape_verification.couture.hard_scenes import SAMPLES, played
 
-from restshape.physics.cloth.contact_points import lattice
+from restshape.physics.cloth.contact.contact_points import lattice
 
 THICKNESS = 2e-3
 """Of contact, by default."""

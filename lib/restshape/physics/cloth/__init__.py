@@ -1,1 +1,1 @@
-"""Cloth: membrane, bending, inertia and contact with bodies."""
+"""Cloth: what a scene of it may say, its problem of finite elements, and rooms for its parts."""

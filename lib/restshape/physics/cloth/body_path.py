@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from restshape.physics.cloth.body_motion import is_remade
-from restshape.physics.cloth.contact import Contact
+from restshape.physics.cloth.contact.body_motion import is_remade
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.mesh_bodies import reach_of
+from restshape.physics.cloth.contact.tunnelling import size_of
 from restshape.physics.cloth.mannequin.growth import growth
-from restshape.physics.cloth.mesh_bodies import reach_of
 from restshape.physics.cloth.scene import kernel_body
-from restshape.physics.cloth.tunnelling import size_of
 from restshape.scene.bodies import MEASURES, Body, numbers_of
 
 TUCKED = 0.25

@@ -5,12 +5,12 @@
 from typing import Literal
 
 from restshape.physics.cloth.cloth_derived_effects import CLOTH as DERIVED
-from restshape.physics.cloth.cloth_material_keys import CLOTH_MATERIALS, ClothMaterial
 from restshape.physics.cloth.cloth_scene_checks import check_cloth
 from restshape.physics.cloth.cloth_solver_plan import cloth_plan
 from restshape.physics.cloth.effects import EFFECTS, cloth_columns
+from restshape.physics.cloth.sheet.cloth_material_keys import CLOTH_MATERIALS, ClothMaterial
+from restshape.physics.cloth.sheet.weight import mass_and_weight
 from restshape.physics.cloth.support_keys import ClothSupport
-from restshape.physics.cloth.weight import mass_and_weight
 from restshape.scene.bodies import Body, Start, body_words, start_words
 from restshape.scene.dart_event import DrawnDart
 from restshape.scene.dart_keys import Dart
@@ -87,7 +87,7 @@ CLOTH = Physics(
     mesh_jumps=False,
     check=check_cloth,
     inspect_shape="restshape.physics.cloth.cloth_inspection:inspect_cloth",
-    recorded="restshape.physics.cloth.mesh_bodies:recorded_surfaces",
+    recorded="restshape.physics.cloth.contact.mesh_bodies:recorded_surfaces",
     doubt_shape="restshape.physics.cloth.coarse_cloth:coarse_words",
     check_start="restshape.physics.cloth.relaxation.start_check:check_start",
     columns=cloth_columns,

@@ -1,6 +1,6 @@
 """Parts of cloth that follow from a scene without being named among its effects."""
 
-from restshape.physics.cloth.touching_itself import touches_itself
+from restshape.physics.cloth.self_contact.touching_itself import touches_itself
 from restshape.physics.elasticity.elasticity_derived_effects import GRAIN
 from restshape.scene.derived_effects import MOVING_SUPPORTS, REGIONS, On, cause_of, listed
 from restshape.scene.effect import DerivedEffect

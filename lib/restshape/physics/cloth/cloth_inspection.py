@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from restshape.physics.cloth.mesh_bodies import inspect_bodies
+from restshape.physics.cloth.contact.mesh_bodies import inspect_bodies
 from restshape.physics.cloth.panel_inspection import inspect_panels
-from restshape.physics.cloth.seam_lengths import inspect_seams
+from restshape.physics.cloth.seams.seam_lengths import inspect_seams
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection
 from restshape.shape.outline import Outline

@@ -20,24 +20,24 @@ from restshape.fem.observer import Observer
 from restshape.fem.problem import INTERNAL, STIFFNESS, Fields, SteadyProblem, Unknown
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.bending import QUADRATIC, bending_of
-from restshape.physics.cloth.cloth_boundary import ClothDirichlet, ClothSupports
-from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_quantities import observer
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.contact import Contact
 from restshape.physics.cloth.free_pieces import falling_pieces, why_it_falls
-from restshape.physics.cloth.layer_order import LayerOrder, Layers
-from restshape.physics.cloth.material_motion import MaterialPlace
-from restshape.physics.cloth.membrane import Membrane
-from restshape.physics.cloth.parameters import Lumped, lumped_rates, triangle_rates
 from restshape.physics.cloth.point_forces import PointForces, TriangleForces
-from restshape.physics.cloth.seam_bending import SeamBending
-from restshape.physics.cloth.seams import SeamForces, Seams
-from restshape.physics.cloth.self_contact import SelfContact
-from restshape.physics.cloth.self_forces import SelfCoupling, SelfForces, coupled_nodes
-from restshape.physics.cloth.sheet_forces import SheetForces
+from restshape.physics.cloth.seams.seam_bending import SeamBending
+from restshape.physics.cloth.seams.seams import SeamForces, Seams
+from restshape.physics.cloth.self_contact.layer_order import LayerOrder, Layers
+from restshape.physics.cloth.self_contact.self_contact import SelfContact
+from restshape.physics.cloth.self_contact.self_forces import SelfCoupling, SelfForces, coupled_nodes
+from restshape.physics.cloth.sheet.bending import QUADRATIC, bending_of
+from restshape.physics.cloth.sheet.cloth_boundary import ClothDirichlet, ClothSupports
+from restshape.physics.cloth.sheet.cloth_error_estimate import ClothEstimate
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.material_motion import MaterialPlace
+from restshape.physics.cloth.sheet.membrane import Membrane
+from restshape.physics.cloth.sheet.parameters import Lumped, lumped_rates, triangle_rates
+from restshape.physics.cloth.sheet.sheet_forces import SheetForces
 from restshape.scene.model import Quantity
 from restshape.scene.plan import Plan
 

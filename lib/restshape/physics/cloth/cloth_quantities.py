@@ -9,8 +9,8 @@ from restshape.errors import UserError
 from restshape.fem.entity_sets import observed_nodes
 from restshape.fem.observer import Observer, area_at, reduction
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothDirichlet
 from restshape.physics.cloth.drape_shadow import DrapeShadow
+from restshape.physics.cloth.sheet.cloth_boundary import ClothDirichlet
 from restshape.scene.model import Quantity
 
 AXES = "xyz"

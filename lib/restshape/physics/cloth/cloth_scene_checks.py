@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 from restshape.errors import UserError
-from restshape.physics.cloth.seam_checks import check_seams
+from restshape.physics.cloth.seams.seam_checks import check_seams
 from restshape.scene.bodies import numbers_of
 from restshape.scene.checks import check_file, refuse_places
 from restshape.scene.expressions import Expression

@@ -9,8 +9,8 @@ from restshape.fem.entity_sets import facets_on, nodes_on
 from restshape.fem.nodal_values import Nodal
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothSupports
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.sheet.cloth_boundary import ClothSupports
 from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene, Support
 

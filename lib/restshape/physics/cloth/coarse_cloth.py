@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from restshape.bounds import TOLERANCE
 from restshape.outputs.si_numbers import si
+from restshape.physics.cloth.contact.slides_off import slipping_words
 from restshape.physics.cloth.effects import ContactKeys
-from restshape.physics.cloth.slides_off import slipping_words
 from restshape.scene.model import Scene
 from restshape.shape.outline import Outline
 

@@ -7,9 +7,9 @@ from pydantic import ConfigDict, Field
 
 from restshape.bounds import TOLERANCE
 from restshape.errors import UserError
-from restshape.physics.cloth.body_columns import body_columns
-from restshape.physics.cloth.thin_bodies import borne
-from restshape.physics.cloth.touching_itself import FINE, layer_thickness
+from restshape.physics.cloth.contact.body_columns import body_columns
+from restshape.physics.cloth.contact.thin_bodies import borne
+from restshape.physics.cloth.self_contact.touching_itself import FINE, layer_thickness
 from restshape.scene.effect import Effect, ResolvedSettings
 from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.pleats import Pleats
-from restshape.physics.cloth.seam_lines import SeamLine, pleated_lines
+from restshape.physics.cloth.seams.pleats import Pleats
+from restshape.physics.cloth.seams.seam_lines import SeamLine, pleated_lines
 from restshape.scene.model import Scene
 from restshape.shape.panel_placement import PatternPlacement
 

@@ -10,8 +10,8 @@ from restshape import _kernels
 from restshape.algebra.operator import CellSubset, MatrixTerm
 from restshape.fem import elements
 from restshape.fem.integral import Integral
-from restshape.physics.cloth.contact import POTENTIAL, Contact
-from restshape.physics.cloth.contact_points import ContactPoints
+from restshape.physics.cloth.contact.contact import POTENTIAL, Contact
+from restshape.physics.cloth.contact.contact_points import ContactPoints
 
 ELEMENT, IN_TRIANGLE = elements.POTENTIAL["point1"], elements.POTENTIAL["tri3"]
 """Quadratic functions of a node's position, and of that of a point of a triangle."""

@@ -7,10 +7,10 @@ import numpy as np
 from restshape.fem.entity_sets import nodes_on
 from restshape.fem.nodal_values import Nodal
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothDirichlet
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.cloth_supports import AXES, supports_of
 from restshape.physics.cloth.initial_placement import InitialPlacement
+from restshape.physics.cloth.sheet.cloth_boundary import ClothDirichlet
 from restshape.scene.held_point import hold_of
 from restshape.scene.model import Scene
 

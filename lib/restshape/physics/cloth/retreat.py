@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.out_of_bodies import LEAST, Bodies
+from restshape.physics.cloth.contact.out_of_bodies import LEAST, Bodies
 from restshape.scene.bodies import POINTS, Body
 
 

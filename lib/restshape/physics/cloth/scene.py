@@ -11,20 +11,20 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_boundary import ClothSupports
-from restshape.physics.cloth.cloth_materials import fabric_of
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.cloth_supports import supports_of
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.fabric import Fabric
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.mesh_bodies import kernel_mesh, located_distance, refuse_narrow
 from restshape.physics.cloth.initial_placement import InitialPlacement
-from restshape.physics.cloth.layer_order import LayerOrder
-from restshape.physics.cloth.layers import layer_values
-from restshape.physics.cloth.mesh_bodies import kernel_mesh, located_distance, refuse_narrow
-from restshape.physics.cloth.parameters import triangle_areas
-from restshape.physics.cloth.seam_lines import SeamPair, seam_pairs
-from restshape.physics.cloth.seams import Seams
-from restshape.physics.cloth.self_contact import SelfContact, SelfContactValues
+from restshape.physics.cloth.seams.seam_lines import SeamPair, seam_pairs
+from restshape.physics.cloth.seams.seams import Seams
+from restshape.physics.cloth.self_contact.layer_order import LayerOrder
+from restshape.physics.cloth.self_contact.layers import layer_values
+from restshape.physics.cloth.self_contact.self_contact import SelfContact, SelfContactValues
+from restshape.physics.cloth.sheet.cloth_boundary import ClothSupports
+from restshape.physics.cloth.sheet.cloth_materials import fabric_of
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.parameters import triangle_areas
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -9,8 +9,8 @@ from itertools import compress
 import numpy as np
 
 from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.contact.tunnelling import penetrations, tunnelling
 from restshape.physics.cloth.relaxation.state import RelaxationState
-from restshape.physics.cloth.tunnelling import penetrations, tunnelling
 from restshape.scene.model import Scene
 
 INSIDE = 0.5

@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from restshape.physics.cloth.body_motion import body_axes
+from restshape.physics.cloth.contact.body_motion import body_axes
+from restshape.physics.cloth.contact.mesh_bodies import located_distance, placed_surface
 from restshape.physics.cloth.mannequin.growth import mannequin_surface
-from restshape.physics.cloth.mesh_bodies import located_distance, placed_surface
 from restshape.scene.bodies import POINTS, Body, Box, Capsule, Cylinder, MannequinBody, MeshBody, Plane, Sphere
 from restshape.scene.model import Scene
 from restshape.shape.placement import rotation

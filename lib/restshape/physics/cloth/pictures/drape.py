@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.outputs.si_numbers import length_unit, scaled_unit
-from restshape.physics.cloth.body_columns import recorded_bodies
+from restshape.physics.cloth.contact.body_columns import recorded_bodies
 from restshape.physics.cloth.pictures.body_surfaces import Surface, body_surface
 from restshape.physics.cloth.pictures.panel_names import panel_names
 from restshape.physics.cloth.pictures.pins import pins

@@ -10,14 +10,14 @@ from restshape.errors import UserError
 from restshape.fem.entity_sets import nodes_on
 from restshape.mesh.relocate import HarmonicExtension
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.layer_order import ROOM, WIDENINGS, WIDER, Layers
-from restshape.physics.cloth.out_of_bodies import brought_out, still_inside, through_words
+from restshape.physics.cloth.contact.out_of_bodies import brought_out, still_inside, through_words
+from restshape.physics.cloth.contact.squeezed import refuse_squeezed
+from restshape.physics.cloth.contact.tunnelling import penetrations
 from restshape.physics.cloth.retreat import retreats
 from restshape.physics.cloth.scene import ClothArguments
-from restshape.physics.cloth.seam_order import order_notes
-from restshape.physics.cloth.squeezed import refuse_squeezed
+from restshape.physics.cloth.seams.seam_order import order_notes
+from restshape.physics.cloth.self_contact.layer_order import ROOM, WIDENINGS, WIDER, Layers
 from restshape.physics.cloth.trust import penetration_notes
-from restshape.physics.cloth.tunnelling import penetrations
 from restshape.scene.model import Scene
 
 RETREATED = "it goes back at first, and comes to its place again: the nearest way out would fold the cloth over"

@@ -14,13 +14,11 @@ from restshape.analysis.frame import Frame
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.transfer import transfer
-from restshape.physics.cloth.body_motion import is_remade
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.contact.body_motion import is_remade
+from restshape.physics.cloth.contact.contact import FrictionHistory
+from restshape.physics.cloth.contact.tunnelling import deepened, penetrations
 from restshape.physics.cloth.initial_placement import InitialPlacement
-from restshape.physics.cloth.layer_friction import LayerFriction
-from restshape.physics.cloth.layer_order import is_another_order
-from restshape.physics.cloth.material_motion import in_frames
 from restshape.physics.cloth.relaxation.beginning import beginning, start_notes
 from restshape.physics.cloth.relaxation.drag_frame import LastRest, drag_frame
 from restshape.physics.cloth.relaxation.follow_bodies import follow_bodies
@@ -32,8 +30,10 @@ from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceRepo
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.relaxation.taken_along import taken_along
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem, kernel_body, set_contact, set_values
-from restshape.physics.cloth.seam_lines import SeamPair
-from restshape.physics.cloth.tunnelling import deepened, penetrations
+from restshape.physics.cloth.seams.seam_lines import SeamPair
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction
+from restshape.physics.cloth.self_contact.layer_order import is_another_order
+from restshape.physics.cloth.sheet.material_motion import in_frames
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 

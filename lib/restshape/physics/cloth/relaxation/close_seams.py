@@ -10,7 +10,7 @@ import numpy as np
 
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
-from restshape.physics.cloth.seams import Seams
+from restshape.physics.cloth.seams.seams import Seams
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 

@@ -11,8 +11,6 @@ import numpy as np
 from restshape.algebra.descent import MEMORY
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.parameters import HINGE_STIFFNESS
 from restshape.physics.cloth.relaxation.beginning import beginning
 from restshape.physics.cloth.relaxation.close_seams import close_seams
 from restshape.physics.cloth.relaxation.come_back import come_back
@@ -21,6 +19,8 @@ from restshape.physics.cloth.relaxation.finer_start import finer_places
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.scene import ClothArguments, cloth_problem
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.parameters import HINGE_STIFFNESS
 
 log = logging.getLogger("restshape.physics")
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from restshape.physics.cloth.body_path import BodyPath, same_kind, speed_of
-from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.layer_friction import LayerFriction
+from restshape.physics.cloth.contact.contact import FrictionHistory
+from restshape.physics.cloth.contact.tunnelling import deepened, penetrations
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
 from restshape.physics.cloth.relaxation.frame_way import FrameWay
 from restshape.physics.cloth.relaxation.jumps import Expected, farthest
@@ -18,7 +18,7 @@ from restshape.physics.cloth.relaxation.mixed_newton import FEW, MOST, MixedNewt
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.scene import kernel_body
-from restshape.physics.cloth.tunnelling import deepened, penetrations
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction
 from restshape.scene.bodies import Body
 
 log = logging.getLogger("restshape.physics")

@@ -9,11 +9,18 @@ from dataclasses import replace
 import numpy as np
 
 from restshape.algebra.descent import MEMORY
-from restshape.physics.cloth.body_motion import body_axes, is_remade, moved_with, turn_of, turned_share, turning_of
 from restshape.physics.cloth.body_path import BodyPath, goes_on
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.mesh_bodies import distance_of
+from restshape.physics.cloth.contact.body_motion import (
+    body_axes,
+    is_remade,
+    moved_with,
+    turn_of,
+    turned_share,
+    turning_of,
+)
+from restshape.physics.cloth.contact.contact import FrictionHistory
+from restshape.physics.cloth.contact.mesh_bodies import distance_of
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState

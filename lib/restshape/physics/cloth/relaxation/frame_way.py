@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.physics.cloth.body_path import BodyPath
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.contact import FrictionHistory
+from restshape.physics.cloth.contact.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.follow_bodies import take_along
 from restshape.physics.cloth.scene import kernel_body
 from restshape.scene.bodies import Body

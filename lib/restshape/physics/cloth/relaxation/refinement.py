@@ -11,12 +11,12 @@ import numpy as np
 from restshape.algebra.descent import MEMORY
 from restshape.algebra.solve_counts import SolveCounts
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.layer_friction import LayerFriction
+from restshape.physics.cloth.contact.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
 from restshape.physics.cloth.relaxation.mixed_newton import MixedNewton
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction
 
 Memory = tuple[FrictionHistory | None, LayerFriction | None]
 

@@ -24,7 +24,6 @@ from restshape.fem.problem import Fields
 from restshape.fem.space import Space
 from restshape.first_use import made
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_error_estimate import ClothEstimate
 from restshape.physics.cloth.cloth_fields import requested_fields
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.cloth_quantities import of_places
@@ -39,6 +38,7 @@ from restshape.physics.cloth.sensitivity.drape_derivative import DrapeDerivative
 from restshape.physics.cloth.sensitivity.drape_prediction import DrapePrediction
 from restshape.physics.cloth.sensitivity.postponed import Postponed
 from restshape.physics.cloth.sensitivity.refined_prediction import RefinedPrediction
+from restshape.physics.cloth.sheet.cloth_error_estimate import ClothEstimate
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

@@ -7,7 +7,7 @@ from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.membrane import stretching
+from restshape.physics.cloth.sheet.membrane import stretching
 
 SUPPORTING = 0.02
 """Inertia of the tangent of descents, over that of a pendulum as long as the cloth, g/L: without any, cloth that lies

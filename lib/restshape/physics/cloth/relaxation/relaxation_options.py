@@ -15,9 +15,9 @@ from restshape.analysis.analysis import Context
 from restshape.application import application_of
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
+from restshape.physics.cloth.contact.tunnelling import size_of
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.scene import ClothArguments, cloth_arguments
-from restshape.physics.cloth.tunnelling import size_of
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

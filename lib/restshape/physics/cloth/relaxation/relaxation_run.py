@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.out_of_bodies import Bodies
+from restshape.physics.cloth.contact.out_of_bodies import Bodies
 from restshape.physics.cloth.relaxation.binding import friction_of, layers_of
 from restshape.physics.cloth.relaxation.close_seams import close_seams, gaps_at, has_opened
 from restshape.physics.cloth.relaxation.cold_start import ColdStart
@@ -20,7 +20,7 @@ from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceRepo
 from restshape.physics.cloth.relaxation.saddle_escape import SaddleEscape
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.relaxation.strategies import STRATEGIES
-from restshape.physics.cloth.untangling import Untangling
+from restshape.physics.cloth.self_contact.untangling import Untangling
 
 log = logging.getLogger("restshape.physics")
 

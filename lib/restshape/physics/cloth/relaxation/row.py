@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import nan
 from typing import Any
 
-from restshape.physics.cloth.body_columns import body_columns, body_row
+from restshape.physics.cloth.contact.body_columns import body_columns, body_row
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState
 from restshape.physics.cloth.trust import Trust, trust_in

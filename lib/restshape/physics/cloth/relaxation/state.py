@@ -11,13 +11,13 @@ import numpy as np
 from restshape.fem.observer import Observer
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
-from restshape.physics.cloth.contact import FrictionHistory
-from restshape.physics.cloth.layer_friction import LayerFriction
-from restshape.physics.cloth.material_motion import AdvectedCloth, MaterialPlace
+from restshape.physics.cloth.contact.contact import FrictionHistory
 from restshape.physics.cloth.relaxation.equilibrium import EquilibriumSolver
 from restshape.physics.cloth.relaxation.jumps import Expected
 from restshape.physics.cloth.relaxation.lasting import Lasting
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction
+from restshape.physics.cloth.sheet.material_motion import AdvectedCloth, MaterialPlace
 from restshape.scene.bodies import Body
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import bsr_matrix, csr_matrix
 
 from restshape import _kernels
-from restshape.physics.cloth.contact import POTENTIAL, Contact
+from restshape.physics.cloth.contact.contact import POTENTIAL, Contact
 
 STICKS, SLIDES, FREE = 0, 1, 2
 """What friction does to a place."""

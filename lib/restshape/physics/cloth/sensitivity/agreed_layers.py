@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from restshape.physics.cloth.self_contact import SelfContact
+from restshape.physics.cloth.self_contact.self_contact import SelfContact
+from restshape.physics.cloth.self_contact.touching_pairs import Collided, collided
 from restshape.physics.cloth.sensitivity.agreed_contact import FREE, SLIDES, SLIDING, STICKS
-from restshape.physics.cloth.touching_pairs import Collided, collided
 
 STEP = 1e-30
 """Of complex steps, which are exact: nothing is subtracted."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from restshape.errors import ReplayProblem
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.cloth_materials import bending, cells_by_sheet, in_pattern_plane, membrane
-from restshape.physics.cloth.fabric import FabricRates
 from restshape.physics.cloth.sensitivity.scene_numbers import STEP, ChangingNumber
+from restshape.physics.cloth.sheet.cloth_materials import bending, cells_by_sheet, in_pattern_plane, membrane
+from restshape.physics.cloth.sheet.fabric import FabricRates
 
 
 def fabric_rates(number: ChangingNumber, mesh: Mesh) -> FabricRates:

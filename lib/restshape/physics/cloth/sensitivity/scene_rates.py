@@ -12,13 +12,13 @@ from restshape import _kernels
 from restshape.errors import UserError
 from restshape.fem.assembled import Assembled
 from restshape.fem.entity_sets import nodes_on
-from restshape.physics.cloth.body_motion import taken_rates
 from restshape.physics.cloth.cloth_supports import AXES
-from restshape.physics.cloth.fabric import FabricRates
+from restshape.physics.cloth.contact.body_motion import taken_rates
+from restshape.physics.cloth.contact.mesh_bodies import distance_of
+from restshape.physics.cloth.contact.thin_bodies import borne
 from restshape.physics.cloth.initial_placement import InitialPlacement
-from restshape.physics.cloth.layers import stiffness_share
-from restshape.physics.cloth.mesh_bodies import distance_of
 from restshape.physics.cloth.relaxation.state import RelaxationState
+from restshape.physics.cloth.self_contact.layers import stiffness_share
 from restshape.physics.cloth.sensitivity.agreed_contact import BodyChange, ContactChange
 from restshape.physics.cloth.sensitivity.agreed_layers import AgreedLayers
 from restshape.physics.cloth.sensitivity.fabric_rates import fabric_rates
@@ -26,7 +26,7 @@ from restshape.physics.cloth.sensitivity.hand_rates import hand_rates
 from restshape.physics.cloth.sensitivity.pattern_numbers import draws, lays, pattern_motion
 from restshape.physics.cloth.sensitivity.rest_tangent import RestTangent
 from restshape.physics.cloth.sensitivity.scene_numbers import SILENT, TABLES, ChangingNumber, is_measure
-from restshape.physics.cloth.thin_bodies import borne
+from restshape.physics.cloth.sheet.fabric import FabricRates
 from restshape.scene.bodies import Body, Start
 from restshape.scene.duals import Dual, dual
 from restshape.scene.expressions import Expression

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.cloth.barrier_by_pattern import barrier_by_pattern
-from restshape.physics.cloth.collision_surface import CollisionSurface, columns
-from restshape.physics.cloth.layer_friction import LayerFriction, Touching
-from restshape.physics.cloth.near_pairs import NearPairs
-from restshape.physics.cloth.touching_pairs import node_lists, touching
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface, columns
+from restshape.physics.cloth.self_contact.barrier_by_pattern import barrier_by_pattern
+from restshape.physics.cloth.self_contact.layer_friction import LayerFriction, Touching
+from restshape.physics.cloth.self_contact.near_pairs import NearPairs
+from restshape.physics.cloth.self_contact.touching_pairs import node_lists, touching
 
 ROOM = 2.0
 """Distance within which nodes are coupled in the pattern of matrices, over that at which contact begins."""

@@ -9,7 +9,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from restshape import _kernels
-from restshape.physics.cloth.collision_surface import unique_edges
+from restshape.physics.cloth.contact.collision_surface import unique_edges
 
 LEAST = 0.5
 """Depth of a pocket over the thickness of contact from which on it is brought out: contact lifts shallower ones."""

@@ -11,9 +11,9 @@ from restshape.fem.integral import Integral
 from restshape.mesh.hinges import border_cells, normals
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import SIDES, MorleySpace
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.seam_lines import STIFFER
-from restshape.physics.cloth.seams import SeamForces, Seams
+from restshape.physics.cloth.seams.seam_lines import STIFFER
+from restshape.physics.cloth.seams.seams import SeamForces, Seams
+from restshape.physics.cloth.sheet.fabric import Fabric
 
 
 class SeamBending:

@@ -10,8 +10,8 @@ from restshape import _kernels
 from restshape.fem.recovery import NodalFlux
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.patch_curvature import PatchCurvature
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.patch_curvature import PatchCurvature
 
 NO_KINDS = np.empty(0, dtype=np.int32)
 ROUNDING = 1e-10

@@ -6,8 +6,8 @@ import numpy as np
 
 from restshape.fem.region_materials import names_by_region, require_value
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.parameters import HINGE_STIFFNESS
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.parameters import HINGE_STIFFNESS
 from restshape.physics.elasticity.stiffness import PLANE, isotropic, orthotropic, plane_stress, turned
 from restshape.scene.model import Material, Scene
 from restshape.scene.panels import Panel, frames_of, panels_of

@@ -6,10 +6,10 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.fabric import Fabric, FabricRates
-from restshape.physics.cloth.self_contact import SelfContactValues
-from restshape.physics.cloth.touching_itself import layer_thickness
-from restshape.physics.cloth.touching_pairs import barrier_force
+from restshape.physics.cloth.self_contact.self_contact import SelfContactValues
+from restshape.physics.cloth.self_contact.touching_itself import layer_thickness
+from restshape.physics.cloth.self_contact.touching_pairs import barrier_force
+from restshape.physics.cloth.sheet.fabric import Fabric, FabricRates
 from restshape.scene.model import Scene
 from restshape.scene.plan import Plan
 

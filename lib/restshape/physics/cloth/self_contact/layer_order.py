@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 
 from restshape import _kernels
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.lines_through import lines_through
-from restshape.physics.cloth.out_of_bodies import Bodies
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.out_of_bodies import Bodies
+from restshape.physics.cloth.self_contact.lines_through import lines_through
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of
 

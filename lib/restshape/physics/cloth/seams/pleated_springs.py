@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.physics.cloth.pleats import Pleats
-from restshape.physics.cloth.seam_lines import SAME, SeamPair
-from restshape.physics.cloth.seam_springs import Springs, edges_at
+from restshape.physics.cloth.seams.pleats import Pleats
+from restshape.physics.cloth.seams.seam_lines import SAME, SeamPair
+from restshape.physics.cloth.seams.seam_springs import Springs, edges_at
 
 STEP = 1e-30
 """Of complex steps, which are exact: nothing is subtracted."""

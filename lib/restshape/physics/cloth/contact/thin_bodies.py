@@ -97,7 +97,7 @@ def _diameters(body: Body) -> tuple[float, float]:
 
 def _surface(form: MeshBody) -> SurfaceDistance:
     # Imported here: scenes are checked, and reports written, without kernels.
-    from restshape.physics.cloth.mesh_bodies import distance_of
+    from restshape.physics.cloth.contact.mesh_bodies import distance_of
 
     return distance_of(form)
 

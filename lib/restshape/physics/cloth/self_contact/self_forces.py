@@ -7,8 +7,8 @@ import numpy as np
 from restshape.algebra.operator import MatrixTerm
 from restshape.fem import elements
 from restshape.fem.integral import Integral
-from restshape.physics.cloth.contact import POTENTIAL
-from restshape.physics.cloth.self_contact import SelfContact
+from restshape.physics.cloth.contact.contact import POTENTIAL
+from restshape.physics.cloth.self_contact.self_contact import SelfContact
 
 NODES, PAIRS = elements.POTENTIAL["point1"], elements.COUPLING["point2"]
 """A quadratic function of a node's position, and one of two that has mixed derivatives alone."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.cloth.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
 
 SPARE = 1e-3
 """Part by which what is kept of a step reaches farther than searches on it do."""

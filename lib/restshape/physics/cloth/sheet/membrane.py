@@ -10,8 +10,8 @@ from restshape.fem.elements import (
     MEMBRANE_TENSION,
 )
 from restshape.fem.integral import Integral
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.parameters import UPPER
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.parameters import UPPER
 
 ELEMENTS = {
     "stvk": (MEMBRANE, MEMBRANE_STABILISED),

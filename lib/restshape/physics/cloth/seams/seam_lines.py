@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.errors import UserError
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.pleats import Pleats
+from restshape.physics.cloth.seams.pleats import Pleats
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.out_of_bodies import Bodies
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.contact.out_of_bodies import Bodies
 
 STEP = 0.05
 """What the node that moves most moves by in one step, over the mean length of edges."""

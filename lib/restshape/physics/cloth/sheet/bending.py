@@ -7,9 +7,9 @@ from restshape.fem.integral import Integral
 from restshape.mesh.hinges import border_cells, hinges, inner_sides, normal_rates, normals
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
-from restshape.physics.cloth.cloth_boundary import ClothSupports
-from restshape.physics.cloth.fabric import Fabric
-from restshape.physics.cloth.parameters import UPPER
+from restshape.physics.cloth.sheet.cloth_boundary import ClothSupports
+from restshape.physics.cloth.sheet.fabric import Fabric
+from restshape.physics.cloth.sheet.parameters import UPPER
 
 HINGES = {
     "hinge": (HINGE["flap4"], HINGE_MIRRORED["flap3"]),

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.mesh_bodies import distance_of
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.mesh_bodies import distance_of
 from restshape.scene.bodies import Body
 
 TUNNELLING_DEPTH = 0.5

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.physics.cloth.seam_lines import SAME, SeamLine
+from restshape.physics.cloth.seams.seam_lines import SAME, SeamLine
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,8 +9,8 @@ from operator import is_
 import numpy as np
 
 from restshape import _kernels
-from restshape.physics.cloth.contact_points import CLOSE, ContactPoints
-from restshape.physics.cloth.turned_ways import turned_with
+from restshape.physics.cloth.contact.contact_points import CLOSE, ContactPoints
+from restshape.physics.cloth.sheet.turned_ways import turned_with
 
 POTENTIAL = 12
 """Parameters of the element potential_point1: a place, the gradient there, the second derivatives xx yy zz yz xz xy."""

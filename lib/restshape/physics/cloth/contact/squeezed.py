@@ -9,8 +9,8 @@ import numpy as np
 
 from restshape import _kernels
 from restshape.errors import UserError
-from restshape.physics.cloth.contact import Contact
-from restshape.physics.cloth.contact_points import ContactPoints
+from restshape.physics.cloth.contact.contact import Contact
+from restshape.physics.cloth.contact.contact_points import ContactPoints
 from restshape.scene.bodies import Body
 
 PARTS = 4

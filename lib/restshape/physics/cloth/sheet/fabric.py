@@ -16,7 +16,7 @@ class Fabric:
         bending: (3, 3) or (ne, 3, 3) moments [N] by curvatures xx, yy and twice xy [N m].
         density: mass by area [kg/m^2], one or (ne,).
         kind: "morley", "hinge", "nonlinear" (hinges) or "none".
-        hinge_factor: of the stiffness of hinges, see `restshape.physics.cloth.parameters.HINGE_STIFFNESS`.
+        hinge_factor: of the stiffness of hinges, see `restshape.physics.cloth.sheet.parameters.HINGE_STIFFNESS`.
         law: of the membrane, "stvk" or "corotated".
         frames: where the coordinates of each panel lie in the pattern plane; none of one sheet.
     """

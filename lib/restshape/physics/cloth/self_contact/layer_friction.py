@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.physics.cloth.turned_ways import maps_of_nodes
+from restshape.physics.cloth.sheet.turned_ways import maps_of_nodes
 
 TINY = 1e-300
 """Length [m] below which there is no direction."""

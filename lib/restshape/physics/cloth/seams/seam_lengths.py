@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from restshape.outputs.si_numbers import si
-from restshape.physics.cloth.loose_panels import loose_panels
+from restshape.physics.cloth.seams.loose_panels import loose_panels
 from restshape.scene.dart_keys import IMAGE
 from restshape.scene.model import Scene
 from restshape.scene.physics import Inspection

@@ -7,8 +7,8 @@ import numpy as np
 from restshape import _kernels
 from restshape.fem.elements import HINGE, MEMBRANE, MORLEY
 from restshape.fem.integral import Integral
-from restshape.physics.cloth.bending import HingeBending, MorleyBending
-from restshape.physics.cloth.membrane import Membrane
+from restshape.physics.cloth.sheet.bending import HingeBending, MorleyBending
+from restshape.physics.cloth.sheet.membrane import Membrane
 
 BENT = (HINGE["flap4"].name, MORLEY["tri6"].name)
 """Elements that bend in the same pass."""

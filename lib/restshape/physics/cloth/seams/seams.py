@@ -10,10 +10,10 @@ import numpy as np
 
 from restshape.fem.elements import SEAM
 from restshape.fem.integral import Integral
-from restshape.physics.cloth.pleated_springs import springs_of
-from restshape.physics.cloth.seam_lines import SeamLine, SeamPair
-from restshape.physics.cloth.seam_springs import Springs
-from restshape.physics.cloth.sewn_neighbours import clusters, shared_nodes, with_shared
+from restshape.physics.cloth.seams.pleated_springs import springs_of
+from restshape.physics.cloth.seams.seam_lines import SeamLine, SeamPair
+from restshape.physics.cloth.seams.seam_springs import Springs
+from restshape.physics.cloth.seams.sewn_neighbours import clusters, shared_nodes, with_shared
 
 OPEN = 1e-3
 """Distance across a seam [m] from which on a note reports it."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from restshape.physics.cloth.collision_surface import CollisionSurface
-from restshape.physics.cloth.layer_friction import Touching
+from restshape.physics.cloth.contact.collision_surface import CollisionSurface
+from restshape.physics.cloth.self_contact.layer_friction import Touching
 
 KINDS = {
     "vv_collisions": ("vertex0_id", "vertex1_id"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.mesh.mesh import Mesh
-from restshape.physics.cloth.seam_lines import joined_sides, mean_square
+from restshape.physics.cloth.seams.seam_lines import joined_sides, mean_square
 from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 
