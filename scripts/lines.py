@@ -35,7 +35,7 @@ EARLY_AREAS = {
 """Of commits without a folder of that name: where its files lay."""
 ORDER = ("lib", "kernels", "apps", "apps, C++", "studies", "verification", "scripts", "tests")
 ROOM = re.compile(r"lib/restshape/physics/\w+(?:/\w+)?(?=/)|lib/(?:restshape|kernels)/\w+(?=/)|lib/\w+(?=/)")
-"""The rooms of lib: folders, those of each physics by themselves, and files beside them."""
+"""The rooms of lib: folders, those of each physics and within it by themselves, and files beside them."""
 
 
 def main() -> int:
