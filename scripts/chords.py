@@ -15,7 +15,7 @@ from statistics import mean, median
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.analysis.equilibrium_search import EquilibriumSearch
+from restshape.analysis.static.equilibrium_search import EquilibriumSearch
 from restshape.interface.run import Run
 from restshape.replay.request import Request
 from restshape.scene.edit_script import load_script
@@ -106,7 +106,7 @@ class Watched(EquilibriumSearch):
 
 def main(words: list[str]) -> None:
     """Replay and print."""
-    import restshape.analysis.nonlinear as nonlinear
+    import restshape.analysis.static.nonlinear as nonlinear
 
     nonlinear.EquilibriumSearch = Watched  # type: ignore[misc]
     Watched.oldest = int(words[2]) if len(words) > 2 else Watched.oldest

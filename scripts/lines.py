@@ -34,8 +34,8 @@ EARLY_AREAS = {
 }
 """Of commits without a folder of that name: where its files lay."""
 ORDER = ("lib", "kernels", "apps", "apps, C++", "studies", "verification", "scripts", "tests")
-ROOM = re.compile(r"lib/restshape/physics/\w+(?:/\w+)?(?=/)|lib/(?:restshape|kernels)/\w+(?=/)|lib/\w+(?=/)")
-"""The rooms of lib: folders, those of each physics and within it by themselves, and files beside them."""
+ROOM = re.compile(r"lib/restshape/(?!live/)\w+(?:/\w+){0,2}(?=/)|lib/(?:restshape|kernels)/\w+(?=/)|lib/\w+(?=/)")
+"""The rooms of lib: folders, those within them by themselves but for the page of live sessions, and files beside them."""
 
 
 def main() -> int:

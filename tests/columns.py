@@ -7,7 +7,7 @@ import numpy as np
 from restshape_studies.stability import columns
 from small_scenes import make_replay, write_scene
 
-from restshape.analysis.buckling import BucklingAnalysis
+from restshape.analysis.buckling.buckling import BucklingAnalysis
 from restshape.analysis.frame import Frame
 
 FOOT, HINGES, PUSHED = columns.FOOT, columns.HINGES, columns.PUSHED

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from petsc4py import PETSc
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.application import application_of
 from restshape.calibration import Calibration
 from restshape.interface.first_frame import first_frame

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.fem.dirichlet import Dirichlet, Prescribed
 from restshape.fem.elements import STOKES
 from restshape.fem.integral import Integral

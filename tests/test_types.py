@@ -15,26 +15,26 @@ BORDERS = {
     "arrays.py": "numpy: the shape of an array has no type",
     "scene/annotations.py": "pydantic makes models of annotations at run time",
     "scene/rewritten.py": "tomlkit: documents, whose items depend on what they hold",
-    "shape/dxf.py": "ezdxf: entities of drawings, whose attributes depend on their kind",
-    "shape/dxf_blocks.py": "ezdxf",
-    "shape/geo_model.py": "gmsh",
-    "shape/geo_operations.py": "gmsh",
-    "shape/plane_faces.py": "gmsh",
-    "shape/pattern_drawing.py": "ezdxf",
-    "shape/pattern_notes.py": "ezdxf",
-    "shape/step_names.py": "gmsh",
-    "shape/svg.py": "svgelements: shapes, whose attributes depend on their kind",
-    "shape/svg_segments.py": "svgelements",
+    "shape/drawings/dxf.py": "ezdxf: entities of drawings, whose attributes depend on their kind",
+    "shape/drawings/dxf_blocks.py": "ezdxf",
+    "shape/drawings/geo_model.py": "gmsh",
+    "shape/drawings/geo_operations.py": "gmsh",
+    "shape/drawings/plane_faces.py": "gmsh",
+    "shape/patterns/pattern_drawing.py": "ezdxf",
+    "shape/patterns/pattern_notes.py": "ezdxf",
+    "shape/drawings/step_names.py": "gmsh",
+    "shape/drawings/svg.py": "svgelements: shapes, whose attributes depend on their kind",
+    "shape/drawings/svg_segments.py": "svgelements",
 }
 """Files of these packages that may use `Any`, and what it is the border to."""
 ANALYSES = """
 from restshape.analysis.analysis import Analysis, State
-from restshape.analysis.buckling import BucklingAnalysis
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
-from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
-from restshape.analysis.steady import SteadyAnalysis
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.buckling.buckling import BucklingAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.motion.nonlinear_transient import NonlinearTransientAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import PrestressedProblem, SteadyProblem, TransientProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem

@@ -14,7 +14,7 @@ from restshape.outputs.claims import refuse_outputs
 from restshape.outputs.kinds import PatternFile
 from restshape.outputs.si_numbers import counted
 from restshape.scene.units import UnitError, quantity
-from restshape.shape.pattern import Pattern
+from restshape.shape.patterns.pattern import Pattern
 
 READ = (".json", ".dxf", ".svg", ".toml")
 """GarmentCode, AAMA or ASTM, drawings, and scenes."""
@@ -88,11 +88,11 @@ def _read(path: Path) -> Pattern:
 
         return pattern_of_scene(load_scene(path))
     if kind == ".json":
-        from restshape.shape.garmentcode import read_garmentcode
+        from restshape.shape.patterns.garmentcode import read_garmentcode
 
         return read_garmentcode(path)
-    from restshape.shape.pattern_drawing import read_pattern_dxf
-    from restshape.shape.pattern_svg import read_pattern_svg
+    from restshape.shape.patterns.pattern_drawing import read_pattern_dxf
+    from restshape.shape.patterns.pattern_svg import read_pattern_svg
 
     return read_pattern_dxf(path) if kind == ".dxf" else read_pattern_svg(path)
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.cli.options import print_table
 from restshape.sensitivity.frequency_derivative import stands_alone
 from restshape.sensitivity.outline_density import edge_densities, outline_density

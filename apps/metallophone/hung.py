@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of
+from restshape.analysis.modal.hanging import Hanging, HangingPoints, hanging_of
 from restshape.outputs.si_numbers import length_unit
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+    from restshape.analysis.modal.modal import ModalAnalysis
 
 ROUNDING = 1e-9
 """Of the largest coordinate of both places, below which one is 0."""

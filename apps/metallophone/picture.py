@@ -6,8 +6,8 @@ import numpy as np
 from restshape_apps.metallophone.hung import hung
 from restshape_apps.metallophone.rasp import draw_outline_density
 
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.pitch import note, tone_words
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.pitch import note, tone_words
 from restshape.errors import UserError
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.report.modes import draw_modes

@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.ticker import NullFormatter, NullLocator
 from matplotlib.tri import Triangulation
 
-from restshape.analysis.pitch import A4, frequency_of, note, tuned
+from restshape.analysis.modal.pitch import A4, frequency_of, note, tuned
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.replay.recording import Recording

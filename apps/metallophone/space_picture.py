@@ -4,8 +4,8 @@ from pathlib import Path
 
 from restshape_apps.metallophone.picture import tones
 
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.pitch import tone_words
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.pitch import tone_words
 from restshape.errors import UserError
 from restshape.mesh.thickness import Thickness
 from restshape.outputs.si_numbers import counted_are

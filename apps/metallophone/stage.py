@@ -12,7 +12,7 @@ from restshape.cli.ranks import launched
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+    from restshape.analysis.modal.modal import ModalAnalysis
     from restshape.scene.model import Scene
 
 

@@ -11,11 +11,11 @@ from restshape_apps.metallophone.sounding.blow import partials
 from restshape_apps.metallophone.sounding.damping import damping_of
 from restshape_apps.metallophone.sounding.place import on_plate, struck_place
 
-from restshape.analysis.pitch import tone_words
+from restshape.analysis.modal.pitch import tone_words
 from restshape.live.shown_marks import Tone
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+    from restshape.analysis.modal.modal import ModalAnalysis
     from restshape.fem.space import Space
     from restshape.interface.simulation import Simulation
 

@@ -8,17 +8,17 @@ import numpy as np
 from restshape_apps.metallophone.hung import hung
 from restshape_apps.metallophone.struck_tone import struck_tone
 
-from restshape.analysis.hanging import OUT_OF_PLANE
-from restshape.analysis.hanging_columns import NOTE, PLACES
-from restshape.analysis.nodal_lines import linear_triangles, nodal_lines
-from restshape.analysis.pitch import tone_words
+from restshape.analysis.modal.hanging import OUT_OF_PLANE
+from restshape.analysis.modal.hanging_columns import NOTE, PLACES
+from restshape.analysis.modal.nodal_lines import linear_triangles, nodal_lines
+from restshape.analysis.modal.pitch import tone_words
 from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Lines, Mark, Words
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
-    from restshape.analysis.modal_state import ModalState
+    from restshape.analysis.modal.modal import ModalAnalysis
+    from restshape.analysis.modal.modal_state import ModalState
     from restshape.analysis.row_values import RowValues
     from restshape.arrays import Reals
     from restshape.interface.simulation import Simulation

@@ -18,7 +18,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print the load factors, draw and write what is asked for; 0, also where nothing buckles, unless it is drawn."""
-    from restshape.analysis.buckling import BucklingAnalysis
+    from restshape.analysis.buckling.buckling import BucklingAnalysis
     from restshape.interface.first_frame import first_frame
 
     analysis = first_frame(args.scene, args.set).analysis

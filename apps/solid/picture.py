@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from restshape.analysis.buckling import BucklingAnalysis
+from restshape.analysis.buckling.buckling import BucklingAnalysis
 from restshape.errors import UserError
 from restshape.report.modes import draw_modes
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from restshape_apps.vibration.stage import Structure
 
-from restshape.analysis.base_modes import BaseModes
-from restshape.analysis.harmonic import harmonic_response
-from restshape.analysis.modes_beside import present_modes
+from restshape.analysis.modal.base_modes import BaseModes
+from restshape.analysis.motion.harmonic import harmonic_response
+from restshape.analysis.motion.modes_beside import present_modes
 
 NEAR_RESONANCE = (-8.0, -4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
 """Points about a resonance, in halves of its half-power bandwidth 2 z f: within it, and down to 1/8 of the peak."""

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from restshape_apps.vibration.stage import Structure, add_structure, structure
 
-from restshape.analysis.base_modes import BaseModes, cqc, srss
-from restshape.analysis.modes_beside import present_modes
-from restshape.analysis.response_spectrum import spectrum_and_sums
+from restshape.analysis.modal.base_modes import BaseModes, cqc, srss
+from restshape.analysis.motion.modes_beside import present_modes
+from restshape.analysis.motion.response_spectrum import spectrum_and_sums
 from restshape.cli.options import print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole

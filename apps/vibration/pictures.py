@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from restshape_apps.vibration.harmonic_sweep import Sweep
 
-from restshape.analysis.base_modes import BaseModes
-from restshape.analysis.response_spectrum import ResponseSpectrum
+from restshape.analysis.modal.base_modes import BaseModes
+from restshape.analysis.motion.response_spectrum import ResponseSpectrum
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit
 from restshape.physics.elasticity.ground_record import GroundRecord

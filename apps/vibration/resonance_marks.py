@@ -9,15 +9,15 @@ import numpy as np
 from restshape_apps.vibration.harmonic_sweep import modal_sweep
 from restshape_apps.vibration.stage import structure_of
 
-from restshape.analysis.modes_beside import present_modes
+from restshape.analysis.motion.modes_beside import present_modes
 from restshape.live.kept_marks import kept, of_answers
 from restshape.live.shape_marks import shape_marks
 from restshape.live.shown_marks import Chart, Mark
 from restshape.replay.columns import SIMULATED, quantity_column
 
 if TYPE_CHECKING:
+    from restshape.analysis.motion.transient import TransientAnalysis
     from restshape.analysis.row_values import RowValues
-    from restshape.analysis.transient import TransientAnalysis
     from restshape.arrays import Reals
     from restshape.interface.simulation import Simulation
     from restshape.scene.model import Scene

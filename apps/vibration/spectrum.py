@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from restshape.analysis.response_spectrum import ResponseSpectrum, response_spectrum
+from restshape.analysis.motion.response_spectrum import ResponseSpectrum, response_spectrum
 from restshape.cli.options import add_json, print_table, write_json
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import write_whole

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
 from restshape.cli.options import add_scene
 from restshape.cli.parser import add_edits
 from restshape.errors import UserError

@@ -10,7 +10,7 @@ SCRIPT_BYTES = 256 << 20
 CALIBRATION_BYTES = 1 << 20
 """Text of a calibration that is read."""
 DRAWING_BYTES = 64 << 20
-"""A .dxf, .svg or .step file; a .geo file has bounds of its own, in `restshape.shape.geo_tokens`."""
+"""A .dxf, .svg or .step file; a .geo file has bounds of its own, in `restshape.shape.drawings.geo_tokens`."""
 MESH_BYTES = 1 << 30
 """A mesh file."""
 BODY_TRIANGLES = 500_000

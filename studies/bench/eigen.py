@@ -13,7 +13,7 @@ from restshape_studies.bench.job import Row
 from restshape.algebra.eigen import SPARE, EigenSolver
 from restshape.algebra.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError
 from restshape.interface.run import Run
 from restshape.replay.request import Request

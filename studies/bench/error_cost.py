@@ -11,11 +11,11 @@ import numpy as np
 from restshape_studies.stability.scenery import make_run
 
 from restshape.algebra.stages import Stages
-from restshape.analysis import enriched_solution, quantity_errors
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame
 from restshape.analysis.made_analysis import made_analysis
-from restshape.analysis.quantity_errors import SteadyQuantityErrors
+from restshape.analysis.static import enriched_solution, quantity_errors
+from restshape.analysis.static.quantity_errors import SteadyQuantityErrors
 from restshape.application import application
 from restshape.replay.loop import Replay
 

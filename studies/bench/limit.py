@@ -12,7 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.errors import UserError
 from restshape.interface.run import Run
 from restshape.measurement import measure_bandwidth

@@ -19,7 +19,7 @@ from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script
 from restshape.scene.model import MeshSpec, Scene, ShapeSpec
 from restshape.shape.build import outline_from_spec
-from restshape.shape.gesture import Gesture, drag
+from restshape.shape.hand.gesture import Gesture, drag
 from restshape.shape.outline import Outline
 
 KINDS = ("mvc", "pmvc", "harmonic")

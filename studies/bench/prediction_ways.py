@@ -11,7 +11,7 @@ from restshape_studies.bench.job import Row
 
 from restshape.algebra.work_counts import pass_seconds
 from restshape.analysis.analysis import Analysis
-from restshape.analysis.frequencies import largest_difference
+from restshape.analysis.modal.frequencies import largest_difference
 from restshape.fem.residuals import energy
 from restshape.interface.run import Run
 from restshape.replay.request import Request

@@ -9,8 +9,8 @@ from restshape.replay.request import Request
 from restshape.scene.edit_script import Press, Pull, Script
 from restshape.scene.event_line import EventLine
 from restshape.scene.model import Scene
-from restshape.shape.arc_grab import is_arc
-from restshape.shape.pin_drag import is_in_space
+from restshape.shape.hand.arc_grab import is_arc
+from restshape.shape.hand.pin_drag import is_in_space
 from restshape.shape.protocol import Session
 from restshape.shape.session import EditSession
 

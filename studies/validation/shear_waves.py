@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 
 SHEAR = 5 / 6
 """Shear factor of a rectangular section."""

@@ -10,7 +10,7 @@ from stokes import Stokes, flow
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
 from restshape.algebra.traits import Traits
-from restshape.analysis.linear_system import LinearSystem
+from restshape.analysis.static.linear_system import LinearSystem
 from restshape.calibration import Calibration
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import INTERNAL

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from restshape.analysis.base_modes import base_modes, correlation, cqc, srss
+from restshape.analysis.modal.base_modes import base_modes, correlation, cqc, srss
 from restshape.fem.time_integration import Rayleigh
 
 

@@ -6,7 +6,7 @@ from columns import FOOT, HINGES, PUSHED, column, euler, solved
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from restshape.analysis.buckling_matrices import products
+from restshape.analysis.buckling.buckling_matrices import products
 from restshape.errors import UserError
 
 HINGED = (HINGES, PUSHED.format(1e3))

@@ -8,7 +8,7 @@ from scipy.sparse.linalg import eigsh
 from small_scenes import make_replay, rows_of
 from vibrating import dynamics, idle, tower
 
-from restshape.analysis.frequencies import lowest_modes
+from restshape.analysis.modal.frequencies import lowest_modes
 from restshape.interface.first_frame import first_frame
 
 TIGHT = "solve.tolerance=1e-7"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from restshape.analysis.harmonic import harmonic_response
+from restshape.analysis.motion.harmonic import harmonic_response
 
 K, M, C = 90.0, 0.4, 1.5
 """Stiffness [N/m], mass [kg] and damping [N s/m]."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from modal import EDITS, SCENES, replay, solved
 
-from restshape.analysis import mode_search
+from restshape.analysis.modal import mode_search
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
 from restshape.replay.parity import Parity

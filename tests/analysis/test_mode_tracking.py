@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
-from restshape.analysis.mode_tracking import SAME, ModeIds, assigned
+from restshape.analysis.modal.mode_tracking import SAME, ModeIds, assigned
 
 
 def followed(before, after):

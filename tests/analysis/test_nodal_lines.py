@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial import Delaunay
 
-from restshape.analysis.line_minimum import line_minimum
-from restshape.analysis.nodal_lines import inside, linear_triangles, nodal_lines
-from restshape.analysis.pair_choice import best_pair, hold
-from restshape.analysis.quadratic_patch import quadratic_patch
+from restshape.analysis.modal.line_minimum import line_minimum
+from restshape.analysis.modal.nodal_lines import inside, linear_triangles, nodal_lines
+from restshape.analysis.modal.pair_choice import best_pair, hold
+from restshape.analysis.modal.quadratic_patch import quadratic_patch
 
 
 def scattered(count=200):

@@ -6,7 +6,7 @@ from large import LARGE, WALL, beam, gravity, solid
 from small_scenes import HEAD, HOLE, across, block, drag, make_replay, meshed, rows_of, write_scene, write_script
 
 from restshape.analysis.guess import CurvedGuess
-from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
 from restshape.policy import POLICIES
 from restshape.replay.parity import Parity
 

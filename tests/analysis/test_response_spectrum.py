@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.signal import StateSpace, lsim
 
-from restshape.analysis.response_spectrum import response_spectrum, spectrum_and_sums
+from restshape.analysis.motion.response_spectrum import response_spectrum, spectrum_and_sums
 
 
 def noise(count=40, seed=3):

@@ -18,8 +18,8 @@ from small_scenes import (
     write_script,
 )
 
-from restshape.analysis import steady
 from restshape.analysis.guess import Guess
+from restshape.analysis.static import steady
 from restshape.mesh.mesh import Mesh
 from restshape.policy import POLICIES
 

@@ -22,7 +22,7 @@ from small_scenes import (
 )
 
 from restshape.algebra import condensation
-from restshape.analysis import border_quantities
+from restshape.analysis.static import border_quantities
 from restshape.errors import ReplayProblem
 from restshape.fem.derivative import Derivative, Differentiable
 from restshape.replay.parity import Parity
@@ -205,7 +205,7 @@ def test_the_matrix_of_the_whole_is_itself_again_where_nothing_could_be_condense
     def refuse(*_):
         raise ReplayProblem("no factor")
 
-    monkeypatch.setattr("restshape.analysis.substructure.Condensation", refuse)
+    monkeypatch.setattr("restshape.analysis.static.substructure.Condensation", refuse)
     made = replay(tmp_path, PLATE + meshed(0.12) + "reach = 0.12\n" + TIGHT, WINDOW)
     levels = set()
     for row in made.frames():

@@ -6,8 +6,8 @@ from scipy.sparse.linalg import eigs, spsolve
 from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, idle, textbook_newmark, tower
 
-from restshape.analysis.frequencies import lowest_modes
-from restshape.analysis.velocity_projection import project_velocity
+from restshape.analysis.modal.frequencies import lowest_modes
+from restshape.analysis.motion.velocity_projection import project_velocity
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import INTERNAL
 from restshape.fem.residuals import dead_loads

@@ -6,7 +6,7 @@ from small_scenes import across, drag, make_replay, rows_of, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, textbook_newmark, tower
 
 from restshape.analysis.frame import Frame
-from restshape.analysis.velocity_projection import project_velocity
+from restshape.analysis.motion.velocity_projection import project_velocity
 from restshape.fem.residuals import unconstrained_residual
 from restshape.mesh.reconnect import Reconnection
 from restshape.replay.parity import Parity

@@ -33,7 +33,7 @@ def imported(outside, tmp_path):
 
 def test_the_first_frame_of_the_bracket_needs_no_large_library(imported):
     modules = imported("replay", BRACKET)
-    assert "restshape.analysis.steady" in modules
+    assert "restshape.analysis.static.steady" in modules
     assert not modules.intersection(UNNEEDED)
     # Analyses that the scene does not call for.
     assert not {name for name in modules if name.endswith((".buckling", ".transient", ".nonlinear"))}

@@ -13,7 +13,7 @@ from cloths import BALL, CONTACT, write_cloth
 from small_scenes import CLAMPED, HEAD, PULLED, QUANTITIES, STEEL, block, drag, meshed, plate, write_scene, write_script
 
 from restshape import bounds
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame

@@ -8,9 +8,9 @@ from scipy.interpolate import BSpline
 
 from restshape.export.dxf_drawing import write_dxf
 from restshape.scene.model import ShapeSpec
-from restshape.shape.bsplines import beziers_of, cubic_between, cubic_of, edges_of_cubic
 from restshape.shape.build import outline_from_spec
 from restshape.shape.curves import spline_weights
+from restshape.shape.drawings.bsplines import beziers_of, cubic_between, cubic_of, edges_of_cubic
 
 OPEN = [(0, 0), (1, 2), (3, -1), (4, 3), (6, 2), (7, 4)]
 ROUND = [(5, 0), (4, 4), (-3, 5), (-5, 1), (-2, -4), (4, -3), (5, 0)]

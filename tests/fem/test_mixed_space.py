@@ -9,7 +9,7 @@ from stokes import Stokes, flow
 from restshape import _kernels
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.stages import Stages
-from restshape.analysis.linear_system import LinearSystem
+from restshape.analysis.static.linear_system import LinearSystem
 from restshape.calibration import Calibration
 from restshape.fem.assembled import Assembled
 from restshape.fem.elements import STOKES

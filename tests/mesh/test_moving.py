@@ -15,9 +15,9 @@ from restshape.mesh.moving import MovingMesh
 from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import edges_between
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape import gesture as gestures
 from restshape.shape.build import outline_from_spec
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand import gesture as gestures
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
 

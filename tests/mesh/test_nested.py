@@ -14,8 +14,8 @@ from restshape.mesh.nested import NestedMesh, refine
 from restshape.mesh.quality import areas
 from restshape.mesh.transfer import transfer
 from restshape.scene.model import MeshSpec, ShapeSpec
-from restshape.shape import gesture as gestures
 from restshape.shape.build import outline_from_spec
+from restshape.shape.hand import gesture as gestures
 from restshape.shape.outline import Outline
 
 A = np.array([[1.0, -2.0, 0.3], [0.5, 3.0, -1.0]])

@@ -11,7 +11,7 @@ from restshape.errors import UserError
 from restshape.mesh.moving import MovingMesh
 from restshape.scene.load import load_scene
 from restshape.scene.model import MeshSpec
-from restshape.shape import gesture as gestures
+from restshape.shape.hand import gesture as gestures
 
 
 def pressed(reach, held="window", size=0.04, **options):

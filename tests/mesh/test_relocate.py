@@ -6,7 +6,7 @@ from mesh_samples import SQUARE, grid, holed_mesh, l_mesh, mesh_of, polygon_outl
 
 from restshape import _kernels
 from restshape.mesh.relocate import BoundaryNodes, HarmonicExtension, PositiveMeanValueExtension, extension, motion
-from restshape.shape.gesture import drag
+from restshape.shape.hand.gesture import drag
 
 LINEAR = np.array([[2.0, -1.0, 0.5], [0.3, 4.0, -2.0]])
 

@@ -15,8 +15,8 @@ from restshape.mesh.quality import areas
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.transfer import Transfer, transfer
 from restshape.scene.model import MeshSpec
-from restshape.shape import gesture as gestures
 from restshape.shape.build import outline_from_spec
+from restshape.shape.hand import gesture as gestures
 
 A = np.array([[1.0, -2.0], [0.5, 3.0]])
 

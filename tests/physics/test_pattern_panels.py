@@ -15,8 +15,8 @@ from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import frames_of
 from restshape.shape.build import outline_from_spec
-from restshape.shape.panel_drag import with_frames
-from restshape.shape.panel_placement import PatternPlacement, plane_axes
+from restshape.shape.hand.panel_drag import with_frames
+from restshape.shape.panels.panel_placement import PatternPlacement, plane_axes
 from restshape.shape.session import EditSession
 
 COTTON = """

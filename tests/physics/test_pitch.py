@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.analysis.pitch import cents_between, frequency_of, note, tone_words, tuned
+from restshape.analysis.modal.pitch import cents_between, frequency_of, note, tone_words, tuned
 from restshape.errors import UserError
 from restshape.physics.elasticity.elasticity_declaration import QUANTITIES
 from restshape.physics.elasticity.tones import tone

@@ -11,7 +11,7 @@ from small_scenes import write_script as scripted
 from thermal_scenes import ANNULUS
 from thermal_scenes import solved as heat_solved
 
-from restshape.analysis import enriched_errors, quantity_errors
+from restshape.analysis.static import enriched_errors, quantity_errors
 from restshape.application import application
 from restshape.cli.schema import scene_schema
 from restshape.errors import UserError

@@ -6,7 +6,7 @@ from restshape.outputs.si_numbers import si
 from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
 from restshape.scene.descriptions import with_symbol
 from restshape.scene.quantity import in_unit, limit_in_unit
-from restshape.shape.gaps import Gap
+from restshape.shape.drawings.gaps import Gap
 
 
 @pytest.mark.parametrize(

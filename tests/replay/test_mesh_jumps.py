@@ -11,8 +11,8 @@ from matplotlib.collections import LineCollection
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape.analysis.made_analysis import made_analysis
-from restshape.analysis.steady import SteadyAnalysis
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.application import application
 from restshape.errors import UserError
 from restshape.mesh.moved_meshes import OtherMesh

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from modal import replay, solved
 
-from restshape.analysis.modal_comparison import TOLERANCE
+from restshape.analysis.modal.modal_comparison import TOLERANCE
 from restshape.replay.parity import Parity
 
 DRAG = """{"format": "restshape-edits", "version": 1, "scene": "bar_100.toml", "units": "m"}

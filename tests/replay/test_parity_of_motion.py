@@ -8,12 +8,12 @@ from large import LARGE
 from small_scenes import make_replay, write_script
 from vibrating import DAMPED, SHAKEN, dynamics, tower
 
-from restshape.analysis import transient
 from restshape.analysis.effective_system import EffectiveSystem
-from restshape.analysis.motion_equations import MotionEquations
-from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
-from restshape.analysis.transient import TransientAnalysis
-from restshape.analysis.transient_state import TransientState
+from restshape.analysis.motion import transient
+from restshape.analysis.motion.motion_equations import MotionEquations
+from restshape.analysis.motion.nonlinear_transient import NonlinearTransientAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
+from restshape.analysis.motion.transient_state import TransientState
 from restshape.fem.time_integration import Newmark, Rayleigh
 from restshape.replay.parity import Parity
 

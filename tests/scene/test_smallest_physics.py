@@ -7,7 +7,7 @@ import pytest
 from restshape_studies.stability.scenery import across, drag, make_replay, rows_of, write_scene, write_script
 from sample_applications.film import FILM, Film, application
 
-from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.fem.problem import Fields
@@ -75,7 +75,11 @@ def test_reuse_recordings_and_messages_come_with_it(tmp_path, install):
 @pytest.mark.parametrize(
     ("path", "what", "do"),
     [
-        ("restshape.analysis.steady:SteadyAnalysys", "has no 'SteadyAnalysys'", "did you mean 'SteadyAnalysis'?"),
+        (
+            "restshape.analysis.static.steady:SteadyAnalysys",
+            "has no 'SteadyAnalysys'",
+            "did you mean 'SteadyAnalysis'?",
+        ),
         ("restshape.analysis.stedy:SteadyAnalysis", "no module 'restshape.analysis.stedy'", "mend the path"),
     ],
 )

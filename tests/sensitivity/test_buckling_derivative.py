@@ -5,7 +5,7 @@ import pytest
 from columns import FOOT, HINGES, PUSHED, TWINS, Column, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.analysis.buckling import BucklingAnalysis
+from restshape.analysis.buckling.buckling import BucklingAnalysis
 from restshape.sensitivity.frequency_derivative import parted
 from restshape.sensitivity.load_factor_derivative import load_factor_rates
 from restshape.sensitivity.steady_derivative import design_derivative

@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.policy import policy
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request
-from restshape.shape.arc_grab import is_arc
+from restshape.shape.hand.arc_grab import is_arc
 from restshape.shape.session import EditSession
 from restshape.shape.topology_edits import bulge_of
 

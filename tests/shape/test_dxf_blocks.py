@@ -9,7 +9,7 @@ import pytest
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
 
@@ -178,7 +178,7 @@ def test_more_points_than_a_shape_may_have_are_refused_as_they_come(tmp_path, mo
     drawing, space = plate()
     for i in range(50):
         space.add_circle((2 + 4 * i, 50), 1)
-    monkeypatch.setattr("restshape.shape.loose_curve.OUTLINE_PIECES", 100)
+    monkeypatch.setattr("restshape.shape.drawings.loose_curve.OUTLINE_PIECES", 100)
     with pytest.raises(UserError, match="more than 200 points") as found:
         read(drawing, tmp_path)
     assert found.value.where == "x.dxf"

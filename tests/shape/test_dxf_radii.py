@@ -4,7 +4,7 @@ import ezdxf
 import pytest
 
 from restshape.errors import UserError
-from restshape.shape.dxf import read_dxf
+from restshape.shape.drawings.dxf import read_dxf
 
 
 @pytest.mark.parametrize("radius", [8.0, -8.0, float("nan"), float("inf")])

@@ -6,7 +6,7 @@ from shape_scenes import plate, scene_and_script, shape
 
 from restshape.errors import UserError
 from restshape.shape.chain import Chain
-from restshape.shape.fairing import ZIGZAG, bending, smooth
+from restshape.shape.hand.fairing import ZIGZAG, bending, smooth
 from restshape.shape.session import EditSession
 
 

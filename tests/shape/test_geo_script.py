@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from restshape.errors import UserError
-from restshape.shape import geo_process
-from restshape.shape.geo import read_geo
-from restshape.shape.unordered_curves import shape_data
+from restshape.shape.drawings import geo_process
+from restshape.shape.drawings.geo import read_geo
+from restshape.shape.drawings.unordered_curves import shape_data
 
 HOLES = """
 // a plate with holes
@@ -93,7 +93,7 @@ def test_bounds_are_reported_with_their_line(tmp_path, monkeypatch, name):
     text, why = BOUNDS[name]
     if "work" in why:
         # A tenth of what is done outside of tests.
-        monkeypatch.setattr("restshape.shape.geo_tokens.MOST_STEPS", 300_000)
+        monkeypatch.setattr("restshape.shape.drawings.geo_tokens.MOST_STEPS", 300_000)
     path = tmp_path / "x.geo"
     path.write_text(text)
     with pytest.raises(UserError, match=why) as reported:
@@ -103,7 +103,7 @@ def test_bounds_are_reported_with_their_line(tmp_path, monkeypatch, name):
 
 @pytest.mark.slow
 def test_a_script_without_end_is_stopped(tmp_path, monkeypatch):
-    monkeypatch.setattr("restshape.shape.geo_process.LIMIT", 3.0)
+    monkeypatch.setattr("restshape.shape.drawings.geo_process.LIMIT", 3.0)
     path = tmp_path / "x.geo"
     path.write_text('SystemCall "sleep 100";')
     with pytest.raises(UserError, match="has not ended after 3 s"):

@@ -9,7 +9,7 @@ from shape_scenes import scene_and_script, shape
 from small_scenes import CURVED
 
 from restshape.errors import UserError
-from restshape.shape import gesture as movements
+from restshape.shape.hand import gesture as movements
 from restshape.shape.session import EditSession
 from restshape.shape.validity import MotionCheck
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from restshape.shape.handpath import cursor_path, minimum_jerk
+from restshape.shape.hand.handpath import cursor_path, minimum_jerk
 
 
 def test_the_law_is_the_minimiser_of_squared_jerk():

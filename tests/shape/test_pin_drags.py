@@ -12,7 +12,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
-from restshape.shape.pin_drag import place_of_pin
+from restshape.shape.hand.pin_drag import place_of_pin
 from restshape.shape.session import EditSession
 
 LIFT = """

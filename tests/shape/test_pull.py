@@ -6,7 +6,7 @@ from shape_scenes import plate, scene_and_script, shape, square
 
 from restshape.errors import UserError
 from restshape.shape.chain import chain_of
-from restshape.shape.pull import pull
+from restshape.shape.hand.pull import pull
 from restshape.shape.session import EditSession
 
 

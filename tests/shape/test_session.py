@@ -13,7 +13,7 @@ from shape_scenes import plate, scene_and_script, square
 from small_scenes import CURVED
 
 from restshape.scene.edit_script import EVENTS
-from restshape.shape import gesture as movements
+from restshape.shape.hand import gesture as movements
 from restshape.shape.session import EditSession
 from restshape.shape.validity import MotionCheck, problem
 

@@ -14,12 +14,12 @@ from scipy.interpolate import BSpline
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
-from restshape.shape.geo_model import gmsh_model
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.geo_model import gmsh_model
+from restshape.shape.drawings.imported_shape import imported_shape
+from restshape.shape.drawings.plane_faces import step_curves
+from restshape.shape.drawings.step_names import StepText
+from restshape.shape.drawings.unordered_curves import shape_data
 from restshape.shape.outline import Outline
-from restshape.shape.plane_faces import step_curves
-from restshape.shape.step_names import StepText
-from restshape.shape.unordered_curves import shape_data
 
 
 def write(path: Path, draw: Callable[[Any], None], unit: str = "MM") -> None:

@@ -10,7 +10,7 @@ from matplotlib.patches import Circle, Rectangle
 from restshape.errors import UserError
 from restshape.scene.model import ShapeSpec
 from restshape.shape.build import outline_from_spec
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
 KAPPA = 0.5522847498

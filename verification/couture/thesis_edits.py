@@ -19,7 +19,7 @@ from restshape.scene.model import Scene
 from restshape.sensitivity.projected_samples import LeftSamples
 from restshape.sensitivity.samples import DragSamples, SamplePlace
 from restshape.shape.build import outline_from_spec
-from restshape.shape.gesture import Gesture, drag
+from restshape.shape.hand.gesture import Gesture, drag
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
 

@@ -10,8 +10,8 @@ from restshape_verification.metallophone.reference import EDITS, SCENES, solved
 
 from restshape.algebra.eigen import EigenSolver
 from restshape.algebra.stages import Stages
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.modal_matrices import products
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.modal_matrices import products
 from restshape.calibration import Calibration
 from restshape.interface.replays import replay_files
 

@@ -7,9 +7,9 @@ from restshape_verification.metallophone.reference import solved
 from scipy.optimize import brentq
 from scipy.special import iv, jv
 
-from restshape.analysis.hanging import Hanging, hanging_of, hanging_points
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.nodal_lines import linear_triangles, nodal_lines
+from restshape.analysis.modal.hanging import Hanging, hanging_of, hanging_points
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.nodal_lines import linear_triangles, nodal_lines
 
 RING = 3
 """The mode of a free disc that is still along a circle: two with two nodal diameters lie below it."""

@@ -6,7 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 from restshape_studies.validation.shear_waves import SHEAR, thick_wave
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.application import application
 from restshape.interface.first_frame import first_frame
 

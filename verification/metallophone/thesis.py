@@ -6,7 +6,7 @@ from typing import Any
 from restshape_studies.bench.reuse import Plan, compare
 from restshape_studies.bench.turns import Case
 
-from restshape.analysis.pitch import cents_between, frequency_of
+from restshape.analysis.modal.pitch import cents_between, frequency_of
 from restshape.application import application
 from restshape.interface.first_frame import first_frame
 

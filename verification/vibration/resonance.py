@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.analysis.frequencies import lowest_modes
-from restshape.analysis.harmonic import harmonic_response
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.modal.frequencies import lowest_modes
+from restshape.analysis.motion.harmonic import harmonic_response
+from restshape.analysis.motion.transient import TransientAnalysis
 from restshape.application import application
 from restshape.cli.options import add_json, write_json
 from restshape.errors import one_line

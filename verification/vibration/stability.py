@@ -12,8 +12,8 @@ from restshape_studies.stability.scenery import across, block, drag
 from restshape_studies.stability.towers import FOOT, QUANTITIES, RUBBER, SHAKEN, dynamics
 from restshape_verification.vibration.hard_scenes import HEAD, tower
 
-from restshape.analysis.frequencies import lowest_modes
-from restshape.analysis.harmonic import harmonic_response
+from restshape.analysis.modal.frequencies import lowest_modes
+from restshape.analysis.motion.harmonic import harmonic_response
 from restshape.policy import POLICIES
 from restshape.replay.loop import Replay
 

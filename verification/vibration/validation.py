@@ -11,8 +11,8 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from restshape.analysis.frame import Frame
-from restshape.analysis.frequencies import lowest_modes
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.modal.frequencies import lowest_modes
+from restshape.analysis.motion.transient import TransientAnalysis
 from restshape.application import application
 from restshape.interface.first_frame import first_frame
 from restshape.replay.loop import Replay

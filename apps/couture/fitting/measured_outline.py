@@ -13,8 +13,8 @@ from restshape_apps.couture.fitting.outline_table import FEWEST, read_table
 from restshape.errors import UserError, one_line
 from restshape.mesh.regions import signed_area
 from restshape.outputs.si_numbers import counted
-from restshape.shape.loose_curve import LooseCurves
-from restshape.shape.named_points import chain_of_curve
+from restshape.shape.drawings.loose_curve import LooseCurves
+from restshape.shape.drawings.named_points import chain_of_curve
 
 READ = (".svg", ".dxf", ".csv")
 CLOSES = 1e-2
@@ -90,10 +90,10 @@ def _drawing(path: Path) -> LooseCurves:
     """The curves of a drawing."""
     # Late: each reader takes longer to import than a table takes to read.
     if path.suffix.lower() == ".svg":
-        from restshape.shape.svg import read_svg
+        from restshape.shape.drawings.svg import read_svg
 
         return read_svg(path, {})
-    from restshape.shape.dxf import read_dxf
+    from restshape.shape.drawings.dxf import read_dxf
 
     return read_dxf(path)
 

@@ -8,8 +8,8 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_of
-from restshape.shape.pattern_drawing import read_pattern_dxf
-from restshape.shape.pattern_svg import read_pattern_svg
+from restshape.shape.patterns.pattern_drawing import read_pattern_dxf
+from restshape.shape.patterns.pattern_svg import read_pattern_svg
 
 LONG = '[seams.long]\nfrom = "front.side"\nto = "back.up"\n'
 

@@ -12,10 +12,10 @@ from restshape.export.pattern_sheet import pattern_sheet
 from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
-from restshape.shape.garmentcode import read_garmentcode
-from restshape.shape.pattern import edge_names
-from restshape.shape.pattern_drawing import read_pattern_dxf
-from restshape.shape.pattern_svg import read_pattern_svg
+from restshape.shape.patterns.garmentcode import read_garmentcode
+from restshape.shape.patterns.pattern import edge_names
+from restshape.shape.patterns.pattern_drawing import read_pattern_dxf
+from restshape.shape.patterns.pattern_svg import read_pattern_svg
 
 PATTERNS = Path(__file__).parents[1] / "patterns"
 FORMATS = {

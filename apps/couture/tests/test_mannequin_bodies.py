@@ -16,7 +16,7 @@ from restshape.physics.cloth.sensitivity.scene_numbers import ChangingNumber, nu
 from restshape.scene.bodies import Body
 from restshape.scene.body_sizes import Sizes
 from restshape.scene.load import load_scene, revise
-from restshape.shape.rigid_body_drag import form_of, scaled, with_form
+from restshape.shape.hand.rigid_body_drag import form_of, scaled, with_form
 
 GROWING = application("couture").folder / "scenes" / "growing.toml"
 

@@ -17,7 +17,7 @@ from restshape.physics.cloth.pictures.pattern_beside_drape import strain_rows
 from restshape.replay.recorder import Recorder
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
-from restshape.shape.seam_parts import COLOURS
+from restshape.shape.patterns.seam_parts import COLOURS
 
 SCENE = """
 format = "restshape-scene"

@@ -13,9 +13,9 @@ from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene, revise
 from restshape.scene.panels import panels_of
 from restshape.shape.build import outline_from_spec
-from restshape.shape.garmentcode import read_garmentcode
-from restshape.shape.pattern_drawing import read_pattern_dxf
-from restshape.shape.pattern_svg import read_pattern_svg
+from restshape.shape.patterns.garmentcode import read_garmentcode
+from restshape.shape.patterns.pattern_drawing import read_pattern_dxf
+from restshape.shape.patterns.pattern_svg import read_pattern_svg
 
 SCENE = """
 format = "restshape-scene"

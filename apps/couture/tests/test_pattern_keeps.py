@@ -11,8 +11,8 @@ from restshape.export.pattern_sheet import pattern_sheet
 from restshape.export.pattern_tiles import _figures
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
-from restshape.shape.pattern_axes import turned_up
-from restshape.shape.seam_parts import seam_parts
+from restshape.shape.patterns.pattern_axes import turned_up
+from restshape.shape.patterns.seam_parts import seam_parts
 
 SCENE = """
 format = "restshape-scene"

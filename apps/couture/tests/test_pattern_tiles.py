@@ -11,7 +11,7 @@ from patterns_drawn import written
 from restshape.cli.main import main
 from restshape.export.paper_tiles import EDGE, OVERLAP, PAPERS, Tile, TileGrid
 from restshape.export.pattern_sheet import pattern_sheet
-from restshape.shape.garmentcode import read_garmentcode
+from restshape.shape.patterns.garmentcode import read_garmentcode
 
 MM = 72.0 / 25.4
 OPTIONS = ["--tiles", "a4", "--allowance", "10mm"]

@@ -19,10 +19,10 @@ from restshape.scene.load import load_scene
 from restshape.scene.panels import panels_of
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import outline_from_spec
-from restshape.shape.garmentcode import read_garmentcode
-from restshape.shape.pattern_axes import angles_of, turned_up
-from restshape.shape.pattern_drawing import read_pattern_dxf
-from restshape.shape.pattern_svg import read_pattern_svg
+from restshape.shape.patterns.garmentcode import read_garmentcode
+from restshape.shape.patterns.pattern_axes import angles_of, turned_up
+from restshape.shape.patterns.pattern_drawing import read_pattern_dxf
+from restshape.shape.patterns.pattern_svg import read_pattern_svg
 from restshape.shape.placement import rotation
 
 INCH = 25.4e-3

@@ -13,11 +13,11 @@ from restshape.export.pattern_scene import pattern_of_scene
 from restshape.export.pattern_svg_file import write_pattern_svg
 from restshape.export.seam_allowance import cut_lines, hole_cut_lines
 from restshape.scene.load import load_scene
-from restshape.shape.pattern import Pattern, PatternPiece, Stitch
-from restshape.shape.pattern_drawing import CUT, CUTOUT, INTERNAL, NOTCH, SEW, read_pattern_dxf
-from restshape.shape.pattern_notes import kept
-from restshape.shape.pattern_pieces import is_in
-from restshape.shape.pattern_svg import read_pattern_svg
+from restshape.shape.patterns.pattern import Pattern, PatternPiece, Stitch
+from restshape.shape.patterns.pattern_drawing import CUT, CUTOUT, INTERNAL, NOTCH, SEW, read_pattern_dxf
+from restshape.shape.patterns.pattern_notes import kept
+from restshape.shape.patterns.pattern_pieces import is_in
+from restshape.shape.patterns.pattern_svg import read_pattern_svg
 
 PATTERNS = Path(__file__).parents[1] / "patterns"
 KINDS = ((write_pattern_dxf, read_pattern_dxf, "p.dxf"), (write_pattern_svg, read_pattern_svg, "p.svg"))

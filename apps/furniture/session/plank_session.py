@@ -34,7 +34,7 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan, refuse_switched
 from restshape.shape.gradual import sweep
-from restshape.shape.handpath import resampled
+from restshape.shape.hand.handpath import resampled
 from restshape.shape.script_session import ScriptSession, Step
 
 TO_A_POINT = "a plank is dragged to a point: use 'to', or press a parameter of it"

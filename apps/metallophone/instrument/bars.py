@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from restshape.analysis.pitch import note
+from restshape.analysis.modal.pitch import note
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
 from restshape.scene.load import load_scene
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+    from restshape.analysis.modal.modal import ModalAnalysis
 
 
 @dataclass(frozen=True)

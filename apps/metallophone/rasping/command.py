@@ -6,7 +6,7 @@ import argparse
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from restshape.analysis.pitch import frequency_of
+from restshape.analysis.modal.pitch import frequency_of
 from restshape.cli.options import write_json
 from restshape.errors import UserError
 from restshape.outputs.kinds import PictureFile

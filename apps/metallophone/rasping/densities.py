@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.sensitivity.frequency_derivative import nodal_gradient
 from restshape.sensitivity.outline_density import OutlineDensity, outline_density
 from restshape.sensitivity.thickness_density import ThicknessDensity, thickness_density

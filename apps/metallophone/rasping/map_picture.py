@@ -9,7 +9,7 @@ from restshape_apps.metallophone.rasping.places import Place
 from restshape_apps.metallophone.rasping.plan import RaspingPlan
 from restshape_apps.metallophone.rasping.report import out_of_reach
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.outputs.picture_files import save_picture
 from restshape.report.style import new_figure
 

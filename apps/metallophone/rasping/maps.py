@@ -9,7 +9,7 @@ from matplotlib.tri import Triangulation
 from restshape_apps.metallophone.rasping.densities import Densities
 from restshape_apps.metallophone.rasping.tolerances import CENTS, TENTH
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.sensitivity.outline_density import OutlineDensity, edge_densities
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.relocate import BoundaryNodes, extension
 

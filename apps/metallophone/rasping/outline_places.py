@@ -13,7 +13,7 @@ from restshape_apps.metallophone.rasping.outline_motion import (
 from restshape_apps.metallophone.rasping.places import SHORTEST, Place, profile, profile_words, stretches
 from restshape_apps.metallophone.rasping.tolerances import CENTS
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.quality import areas
 from restshape.sensitivity.outline_density import OutlineDensity

@@ -11,8 +11,8 @@ from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
 from restshape_apps.metallophone.rasping.tolerances import Tolerances, tolerances
 from restshape_apps.metallophone.rasping.underneath_places import WHOLE, underneath_places
 
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.pitch import cents_between
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.pitch import cents_between
 from restshape.errors import UserError
 from restshape.sensitivity.frequency_derivative import stands_alone
 

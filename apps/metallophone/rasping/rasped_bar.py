@@ -9,7 +9,7 @@ from restshape_apps.metallophone.rasping.outline_places import LEAST_AREA
 from restshape_apps.metallophone.rasping.places import Place
 
 from restshape.analysis.frame import Frame
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.errors import ReplayProblem
 from restshape.mesh.quality import areas
 

@@ -13,7 +13,7 @@ from restshape_apps.metallophone.rasping.outline_motion import (
     outer_edges,
 )
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.cli.options import print_table
 from restshape.errors import UserError
 from restshape.sensitivity.frequency_derivative import frequency_derivatives, material_derivatives, stands_alone

@@ -8,7 +8,7 @@ from restshape_apps.metallophone.rasping.outline_places import corner_thickness
 from restshape_apps.metallophone.rasping.places import SHORTEST, Place, profile, profile_words, stretches
 from restshape_apps.metallophone.rasping.tolerances import CENTS
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 
 SHARE = 1.0 / 3.0
 """Of the least thickness, which comes off underneath at most."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.fem.problem import STIFFNESS
 
 USUAL = 1e-3

@@ -12,7 +12,7 @@ from restshape_apps.metallophone.sounding.mallet import excitation, pole
 from restshape_apps.metallophone.sounding.place import struck_place
 from restshape_apps.metallophone.sounding.wav import RATE, normalised
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.errors import UserError
 from restshape.shape.script_session import FRAME_TIME
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.errors import UserError
 from restshape.mesh.transfer import Transfer
 

@@ -9,9 +9,9 @@ import pytest
 from restshape_apps.metallophone import application
 from restshape_apps.metallophone.hung import hung_words
 
-from restshape.analysis.border_distance import BorderDistance
-from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of, hanging_points
-from restshape.analysis.nodal_lines import linear_triangles
+from restshape.analysis.modal.border_distance import BorderDistance
+from restshape.analysis.modal.hanging import Hanging, HangingPoints, hanging_of, hanging_points
+from restshape.analysis.modal.nodal_lines import linear_triangles
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame

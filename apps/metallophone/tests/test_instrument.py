@@ -9,7 +9,7 @@ from restshape_apps.metallophone.instrument.bars import bars_of
 from restshape_apps.metallophone.instrument.scale_sound import LAST, struck_in_turn
 from restshape_apps.metallophone.sounding.wav import RATE
 
-from restshape.analysis.pitch import NAMES, cents_between, frequency_of
+from restshape.analysis.modal.pitch import NAMES, cents_between, frequency_of
 from restshape.application import application
 from restshape.cli.main import main
 

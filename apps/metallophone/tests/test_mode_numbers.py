@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import restshape
-from restshape.analysis.mode_tracking import ModeIds
+from restshape.analysis.modal.mode_tracking import ModeIds
 from restshape.cli.main import main
 
 BENDS = 2

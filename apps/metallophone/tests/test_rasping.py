@@ -18,8 +18,8 @@ from restshape_apps.metallophone.rasping.rasped_bar import RaspedBar
 from restshape_apps.metallophone.rasping.report import directions, out_of_reach, plan_as_json
 from restshape_apps.metallophone.rasping.tolerances import CENTS, tolerances
 
-from restshape.analysis.modal_comparison import cold_frequencies
-from restshape.analysis.pitch import frequency_of
+from restshape.analysis.modal.modal_comparison import cold_frequencies
+from restshape.analysis.modal.pitch import frequency_of
 from restshape.cli.main import main
 from restshape.errors import ReplayProblem, UserError
 from restshape.interface.first_frame import first_frame

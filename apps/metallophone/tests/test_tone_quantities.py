@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from restshape_apps.metallophone import application
 
-from restshape.analysis.tone_quantities import tone_error, tone_value
+from restshape.analysis.modal.tone_quantities import tone_error, tone_value
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
 from restshape.interface.replays import replay_files

@@ -15,7 +15,7 @@ from restshape_apps.metallophone.tuning.bar_frame import bar_frame
 from restshape_apps.metallophone.tuning.freedoms import Freedom, with_values
 
 from restshape.algebra.stages import Stages
-from restshape.analysis.modal_errors import FrequencyEstimate
+from restshape.analysis.modal.modal_errors import FrequencyEstimate
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.replay_parts import replay_parts
@@ -24,7 +24,7 @@ from restshape.shape.build import unchecked_outline
 from restshape.shape.validity import problem
 
 if TYPE_CHECKING:
-    from restshape.analysis.modal import ModalAnalysis
+    from restshape.analysis.modal.modal import ModalAnalysis
     from restshape.mesh.moving import MovingMesh
     from restshape.scene.model import Scene
     from restshape.shape.outline import Outline

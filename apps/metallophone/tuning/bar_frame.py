@@ -7,7 +7,7 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.scene.model import Scene
 from restshape.shape.build import unchecked_outline
-from restshape.shape.gesture import other_curves, towards
+from restshape.shape.hand.gesture import other_curves, towards
 from restshape.shape.outline import Outline
 from restshape.shape.script_session import STILL
 from restshape.shape.session import EditFrame

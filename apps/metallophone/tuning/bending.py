@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 
 DEGREE = 12
 """Of the polynomial along the bar that a bending mode is nearly."""

@@ -8,7 +8,7 @@ from typing import Any
 from restshape_apps.metallophone.tuning.descent import IN_TUNE, TuningStep
 from restshape_apps.metallophone.tuning.tuning import Tuning
 
-from restshape.analysis.pitch import note
+from restshape.analysis.modal.pitch import note
 from restshape.outputs.si_numbers import counted
 
 Rows = tuple[list[str], list[Sequence[Any]]]

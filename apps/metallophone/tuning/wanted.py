@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
 
-from restshape.analysis.pitch import frequency_of
+from restshape.analysis.modal.pitch import frequency_of
 from restshape.errors import UserError
 
 MOST_OVERTONES = 6

@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 from restshape_apps.metallophone.sounding.place import mode_shapes, on_plate
 
-from restshape.analysis.hanging import Hanging, HangingPoints, hanging_of
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.pitch import cents_between, frequency_of, note
+from restshape.analysis.modal.hanging import Hanging, HangingPoints, hanging_of
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.modal.pitch import cents_between, frequency_of, note
 from restshape.analysis.settings import HangingSettings, modal_settings
 from restshape.arrays import Reals
 from restshape.errors import UserError

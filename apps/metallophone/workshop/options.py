@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from restshape.analysis.pitch import frequency_of
+from restshape.analysis.modal.pitch import frequency_of
 from restshape.errors import UserError
 from restshape.scene.units import UnitError, quantity
 

@@ -8,7 +8,7 @@ from restshape_apps.metallophone.workshop.bar import Bar
 from restshape_apps.metallophone.workshop.sheet_drawing import thickness_at
 from restshape_apps.metallophone.workshop.sheet_page import EDGE, SMALL, SheetPage
 
-from restshape.analysis.pitch import note
+from restshape.analysis.modal.pitch import note
 from restshape.scene.expressions import Expression
 
 MM, GPA = 1e3, 1e-9

@@ -10,7 +10,7 @@ from small_scenes import across, drag, make_replay, write_scene, write_script
 
 from restshape.algebra.eigen import COUNT_EVERY
 from restshape.algebra.gathering import gather_matrix
-from restshape.analysis.buckling_matrices import products
+from restshape.analysis.buckling.buckling_matrices import products
 from restshape.cli.main import main
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from small_scenes import make_replay, rows_of, write_script
 
-from restshape.analysis import displacement_projection
-from restshape.analysis.displacement_projection import project_displacement
-from restshape.analysis.velocity_projection import project_velocity
+from restshape.analysis.motion import displacement_projection
+from restshape.analysis.motion.displacement_projection import project_displacement
+from restshape.analysis.motion.velocity_projection import project_velocity
 from restshape.fem.residuals import energy
 from restshape.mesh.transfer import transfer
 

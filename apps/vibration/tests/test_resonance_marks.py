@@ -9,7 +9,7 @@ from restshape_apps.vibration.harmonic_sweep import modal_sweep, sweep
 from restshape_apps.vibration.stage import structure_of
 
 import restshape
-from restshape.analysis.modes_beside import present_modes
+from restshape.analysis.motion.modes_beside import present_modes
 
 BUILDING = Path(__file__).parents[1] / "scenes" / "building.toml"
 COARSE = ("mesh.size='2 m'", "mesh.order=1", "effects.dynamics.steps=4")

@@ -11,7 +11,7 @@ from restshape_apps.vibration.stage import structure_of
 from scipy.signal import StateSpace, lsim
 from small_scenes import make_replay, rows_of, write_script
 
-from restshape.analysis.modes_beside import present_modes
+from restshape.analysis.motion.modes_beside import present_modes
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.physics.elasticity.ground_record import GroundRecord, read_record

@@ -39,7 +39,7 @@ from restshape.scene.plan import Plan, as_written, plan
 from restshape.scene.scene_type import joined_sections
 from restshape.scene.units import SYMBOLS
 from restshape.shape.build import outline_of
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 from restshape.shape.script_frame import ScriptFrame
 

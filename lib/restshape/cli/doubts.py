@@ -21,7 +21,7 @@ from restshape.scene.load import revise
 from restshape.scene.model import Material, Scene
 from restshape.scene.plain_values import table_in
 from restshape.scene.quantity import in_unit, limit_in_unit
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 from restshape.shape.outline import Outline
 
 FAR_OFF = 1e-3

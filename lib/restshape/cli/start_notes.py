@@ -7,7 +7,7 @@ from restshape.outputs.si_numbers import counted, counted_are, si
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 
 UNMOVED = 'time begins after the first frame, the only one: let it go on by events {"do": "idle", "frames": 20}'
 """Of motion and heat in time without a script."""

@@ -11,8 +11,8 @@ from ezdxf import units
 
 from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.shape.bsplines import cubic_of
 from restshape.shape.curves import arc_centre
+from restshape.shape.drawings.bsplines import cubic_of
 from restshape.shape.outline import Loop, Outline
 
 MM = 1e3

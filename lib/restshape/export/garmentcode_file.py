@@ -1,4 +1,4 @@
-"""Sewing patterns as files of GarmentCode: see `restshape.shape.garmentcode`."""
+"""Sewing patterns as files of GarmentCode: see `restshape.shape.patterns.garmentcode`."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.outputs.si_numbers import counted
 from restshape.scene.plain_values import Table, table_in
-from restshape.shape.bsplines import beziers_of, cubic_of
 from restshape.shape.curves import arc_centre
+from restshape.shape.drawings.bsplines import beziers_of, cubic_of
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece, Stitch
-from restshape.shape.pattern_axes import turned_up
+from restshape.shape.patterns.pattern import Pattern, PatternPiece, Stitch
+from restshape.shape.patterns.pattern_axes import turned_up
 
 PROPERTIES: Table = {"normalize_panel_translation": False, "normalized_edge_loops": True, "units_in_meter": 100}
 PROBES = np.linspace(0.0, 1.0, 12)[1:-1]

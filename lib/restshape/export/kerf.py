@@ -14,9 +14,9 @@ from restshape.export.moved_out import STRAIGHT, crossing, moved_out, turn_betwe
 from restshape.scene.model import ShapeSpec
 from restshape.scene.plain_values import Table
 from restshape.shape.build import unchecked_outline
-from restshape.shape.loose_curve import Curve
+from restshape.shape.drawings.loose_curve import Curve
+from restshape.shape.drawings.unordered_curves import shape_data
 from restshape.shape.outline import Loop, Outline
-from restshape.shape.unordered_curves import shape_data
 
 MM = 1e3
 CHORD = 1e-2

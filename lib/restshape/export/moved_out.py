@@ -12,8 +12,8 @@ from scipy.optimize import root
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.shape.curves import second_derivatives
-from restshape.shape.fitted_spline import SMOOTH, fitted_spline
-from restshape.shape.loose_curve import Curve
+from restshape.shape.drawings.fitted_spline import SMOOTH, fitted_spline
+from restshape.shape.drawings.loose_curve import Curve
 from restshape.shape.outline import Loop, Outline
 
 STRAIGHT = 1e-7

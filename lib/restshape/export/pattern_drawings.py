@@ -18,11 +18,11 @@ from restshape.outputs.atomic_files import replacing
 from restshape.outputs.kinds import EXPORT_MARK
 from restshape.scene.plain_values import Table
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece, Stitch
-from restshape.shape.pattern_axes import turned_up
-from restshape.shape.pattern_drawing import ANNOTATION, CUT, CUTOUT, GRAIN, INTERNAL, NOTCH, SEW
-from restshape.shape.pattern_notes import APPLICATION, keep, place_of
-from restshape.shape.seam_parts import SeamPart, seam_names, seam_parts
+from restshape.shape.patterns.pattern import Pattern, PatternPiece, Stitch
+from restshape.shape.patterns.pattern_axes import turned_up
+from restshape.shape.patterns.pattern_drawing import ANNOTATION, CUT, CUTOUT, GRAIN, INTERNAL, NOTCH, SEW
+from restshape.shape.patterns.pattern_notes import APPLICATION, keep, place_of
+from restshape.shape.patterns.seam_parts import SeamPart, seam_names, seam_parts
 
 GAP = 0.05
 """Room between pieces, over the size of the largest."""

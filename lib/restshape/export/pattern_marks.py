@@ -11,7 +11,7 @@ from restshape.arrays import Reals
 from restshape.scene.pleat_keys import is_fold
 from restshape.shape.outline import Outline
 from restshape.shape.outward import outward_of, text_angle
-from restshape.shape.seam_parts import SeamPart
+from restshape.shape.patterns.seam_parts import SeamPart
 
 ALONG = 0.3
 """Half the length of the line of a grain, over the size of its piece."""

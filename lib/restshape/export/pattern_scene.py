@@ -21,10 +21,10 @@ from restshape.scene.plain_values import Table, table_in
 from restshape.scene.space_values import evaluated
 from restshape.shape.build import unchecked_outline
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece, Stitch, Triple
-from restshape.shape.pattern_axes import UPRIGHT, angles_of
+from restshape.shape.patterns.pattern import Pattern, PatternPiece, Stitch, Triple
+from restshape.shape.patterns.pattern_axes import UPRIGHT, angles_of
+from restshape.shape.patterns.seam_parts import seam_names
 from restshape.shape.placement import rotation
-from restshape.shape.seam_parts import seam_names
 
 TRIANGLES = 2000
 """How many there are about in the meshes of all pieces."""

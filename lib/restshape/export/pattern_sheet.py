@@ -12,8 +12,8 @@ from restshape.export.pattern_marks import edge_labels, grain_line, notches
 from restshape.export.seam_allowance import cut_lines, hole_cut_lines, sewn_holes
 from restshape.scene.pattern_packing import PanelBounds, Where, packed
 from restshape.shape.outline import Loop, Outline
-from restshape.shape.pattern import Pattern, PatternPiece
-from restshape.shape.seam_parts import SeamPart, seam_colours, seam_names, seam_parts
+from restshape.shape.patterns.pattern import Pattern, PatternPiece
+from restshape.shape.patterns.seam_parts import SeamPart, seam_colours, seam_names, seam_parts
 
 MM = 1e3
 CHORD = 2e-5

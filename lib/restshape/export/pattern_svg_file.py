@@ -16,12 +16,12 @@ from restshape.export.pattern_marks import edge_labels, grain_line, notches
 from restshape.export.seam_allowance import cut_lines, hole_cut_lines, holes_noted, sewn_holes
 from restshape.export.svg_drawing import path_of, svg_head
 from restshape.outputs.atomic_files import write_whole
+from restshape.shape.drawings.svg_tree import NO_SHAPE
 from restshape.shape.outline import Outline
-from restshape.shape.pattern import Pattern, PatternPiece
-from restshape.shape.pattern_axes import turned_up
-from restshape.shape.pattern_notes import METADATA, ORIGIN, place_of
-from restshape.shape.seam_parts import seam_colours, seam_names, seam_parts
-from restshape.shape.svg_tree import NO_SHAPE
+from restshape.shape.patterns.pattern import Pattern, PatternPiece
+from restshape.shape.patterns.pattern_axes import turned_up
+from restshape.shape.patterns.pattern_notes import METADATA, ORIGIN, place_of
+from restshape.shape.patterns.seam_parts import seam_colours, seam_names, seam_parts
 
 STROKE = 0.001
 """Width of lines, over the width of the drawing."""

@@ -16,8 +16,8 @@ from restshape.export.paper_tiles import EDGE, OVERLAP, PAPERS, Tile, TileGrid
 from restshape.export.pattern_sheet import INK, NAMES, PatternSheet, SheetLine, pattern_sheet
 from restshape.outputs.kinds import PATTERN_MARK
 from restshape.outputs.picture_files import save_pages
-from restshape.shape.pattern import Pattern
-from restshape.shape.seam_parts import seam_names
+from restshape.shape.patterns.pattern import Pattern
+from restshape.shape.patterns.seam_parts import seam_names
 
 INCH = 25.4
 SQUARE = 100.0

@@ -12,11 +12,11 @@ import numpy as np
 from restshape.arrays import Reals
 from restshape.errors import UserError
 from restshape.mesh.regions import signed_area
-from restshape.shape.geo_model import gmsh_model
+from restshape.shape.drawings.geo_model import gmsh_model
 from restshape.shape.outline import Loop, Outline
-from restshape.shape.pattern import Pattern
-from restshape.shape.pattern_pieces import is_in
-from restshape.shape.seam_parts import SeamPart, seam_parts
+from restshape.shape.patterns.pattern import Pattern
+from restshape.shape.patterns.pattern_pieces import is_in
+from restshape.shape.patterns.seam_parts import SeamPart, seam_parts
 
 MM = 1e3
 CHORD = 1e-5

@@ -15,10 +15,10 @@ import numpy as np
 from restshape.errors import UserError
 from restshape.outputs.atomic_files import replacing, write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.shape.bsplines import cubic_of
-from restshape.shape.geo_model import gmsh_model
+from restshape.shape.drawings.bsplines import cubic_of
+from restshape.shape.drawings.geo_model import gmsh_model
+from restshape.shape.drawings.step_names import with_names
 from restshape.shape.outline import Loop, Outline
-from restshape.shape.step_names import with_names
 
 MM = 1e3
 FLAT = 1e-4

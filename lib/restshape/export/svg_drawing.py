@@ -9,7 +9,7 @@ import numpy as np
 
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.shape.bsplines import beziers_of
+from restshape.shape.drawings.bsplines import beziers_of
 from restshape.shape.outline import Outline
 
 MM = 1e3

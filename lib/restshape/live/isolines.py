@@ -6,7 +6,7 @@ from math import floor, log10
 
 import numpy as np
 
-from restshape.analysis.nodal_lines import linear_triangles, nodal_lines
+from restshape.analysis.modal.nodal_lines import linear_triangles, nodal_lines
 from restshape.arrays import Indices, Reals
 from restshape.live.shown_marks import Lines, Mark
 from restshape.outputs.si_numbers import digits_apart, si

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.analysis.nodal_lines import QUARTERS
+from restshape.analysis.modal.nodal_lines import QUARTERS
 from restshape.arrays import AnyArray, Integers, Reals
 from restshape.live.frame_arrays import sent_indices
 

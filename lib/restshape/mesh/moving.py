@@ -28,7 +28,7 @@ from restshape.mesh.relocate import BoundaryNodes, Harmonic, HarmonicExtension, 
 from restshape.mesh.sizing import FEWEST_PER_CIRCLE, PER_CIRCLE, refuse_endless, refuse_growth
 from restshape.outputs.si_numbers import counted
 from restshape.scene.model import MeshSpec, Scene
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.session import EditFrame
 

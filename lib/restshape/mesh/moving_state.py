@@ -14,7 +14,7 @@ from restshape.mesh.reach import MovingPart
 from restshape.mesh.reconnect import Reconnection
 from restshape.mesh.relocate import BoundaryNodes, Extension
 from restshape.scene.model import MeshSpec, Scene
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.outline import Outline
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.analysis.quantity_errors import LEAVE_OUT, NO_ERRORS, NONE_HERE
 from restshape.analysis.row_values import text, whole
+from restshape.analysis.static.quantity_errors import LEAVE_OUT, NO_ERRORS, NONE_HERE
 from restshape.errors import UserError
 from restshape.replay.columns import asked_errors, error_column, estimated_quantities
 from restshape.scene.plain_values import table_in

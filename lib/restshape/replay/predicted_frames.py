@@ -17,7 +17,7 @@ from restshape.mesh.follower import Follower
 from restshape.policy import Policy
 from restshape.replay.estimated_frames import needs_everything
 from restshape.sensitivity.linear_prediction import Prediction
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.protocol import Session
 from restshape.shape.script_frame import ScriptFrame
 

@@ -20,7 +20,7 @@ from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.scene.given_numbers import value_below
 from restshape.scene.load import revise
 from restshape.sensitivity.outline_velocity import node_velocity, point_velocity
-from restshape.shape.gesture import drag
+from restshape.shape.hand.gesture import drag
 
 if TYPE_CHECKING:
     from restshape.analysis.restorable import RestorableAnalysis

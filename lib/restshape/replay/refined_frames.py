@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from restshape.policy import Policy
     from restshape.replay.predicted_frames import Predicted
     from restshape.scene.model import PredictSpec
-    from restshape.shape.gesture import Gesture
+    from restshape.shape.hand.gesture import Gesture
     from restshape.shape.protocol import Session
     from restshape.shape.script_frame import ScriptFrame
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from restshape.analysis.nodal_lines import linear_triangles
+from restshape.analysis.modal.nodal_lines import linear_triangles
 
 LARGEST = 0.12
 """The largest displacement that is drawn, in parts of the body's size."""

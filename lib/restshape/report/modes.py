@@ -9,7 +9,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.tri import Triangulation
 
-from restshape.analysis.nodal_lines import linear_triangles
+from restshape.analysis.modal.nodal_lines import linear_triangles
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
 from restshape.report.fitted_title import fitted

@@ -14,7 +14,7 @@ from restshape.sensitivity.mode_change import change_beyond
 
 if TYPE_CHECKING:
     from restshape.analysis.analysis import Context
-    from restshape.analysis.modal_state import ModalState
+    from restshape.analysis.modal.modal_state import ModalState
     from restshape.fem.eigenproblem import Maker
 
 COINCIDE, ROUNDING = 100.0, 1e-9

@@ -3,7 +3,7 @@
 import numpy as np
 
 from restshape import _kernels
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 
 
 class Prediction:

@@ -13,7 +13,7 @@ from restshape.sensitivity.mode_change import change_beyond
 from restshape.sensitivity.steady_derivative import SolvedSteady, design_derivative
 
 if TYPE_CHECKING:
-    from restshape.analysis.buckling_state import BucklingState
+    from restshape.analysis.buckling.buckling_state import BucklingState
 
 
 class SolvedBuckling(Protocol):

@@ -12,8 +12,8 @@ from restshape.mesh.relocate import BoundaryNodes, motion
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 from restshape.shape.build import unchecked_outline
-from restshape.shape.gesture import other_curves
 from restshape.shape.given_shape import followed, in_frames, same_layout
+from restshape.shape.hand.gesture import other_curves
 from restshape.shape.outline import Outline
 
 

@@ -12,7 +12,7 @@ from restshape import _kernels
 
 if TYPE_CHECKING:
     from restshape.arrays import Reals
-    from restshape.shape.gesture import Gesture
+    from restshape.shape.hand.gesture import Gesture
 
 Hand = tuple[float, float]
 """Coefficients of a gesture."""

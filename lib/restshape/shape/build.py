@@ -21,11 +21,11 @@ from restshape.scene.shape_edges import ArcSpec, LineSpec, PolylineSpec, SplineS
 from restshape.scene.source import Source
 from restshape.scene.validation_errors import user_error
 from restshape.shape.curves import bulge_through
-from restshape.shape.dart_corners import dart_named, with_darts
 from restshape.shape.draft import Draft, DraftEdge, add_circle, add_loop, add_polygon
-from restshape.shape.imported_shape import imported_shape
+from restshape.shape.drawings.imported_shape import imported_shape
 from restshape.shape.outline import Outline
-from restshape.shape.pleat_folds import with_pleats
+from restshape.shape.panels.dart_corners import dart_named, with_darts
+from restshape.shape.panels.pleat_folds import with_pleats
 from restshape.shape.validity import problem
 
 Arguments = ParamSpec("Arguments")

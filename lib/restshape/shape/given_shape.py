@@ -14,10 +14,10 @@ from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of
 from restshape.scene.pattern_packing import PanelFrame
 from restshape.shape.build import unchecked_outline
-from restshape.shape.dart_corners import with_darts
-from restshape.shape.gesture import Gesture, other_curves, towards
+from restshape.shape.hand.gesture import Gesture, other_curves, towards
 from restshape.shape.outline import Edge, Layout, Outline
-from restshape.shape.panel_placement import plane_axes
+from restshape.shape.panels.dart_corners import with_darts
+from restshape.shape.panels.panel_placement import plane_axes
 from restshape.shape.reinserted_vertices import arranged_as, reinserted
 from restshape.shape.script_session import STILL
 from restshape.shape.validity import problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from restshape.scene.model import Scene
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.outline import Outline
 
 

@@ -17,10 +17,10 @@ from restshape.scene.overrides import parse_override
 from restshape.scene.plain_values import Table
 from restshape.scene.units import quantity
 from restshape.scene.validation_errors import plain, whole_lists
-from restshape.shape.handpath import cursor_path
+from restshape.shape.hand.handpath import cursor_path
+from restshape.shape.hand.pin_drag import begin_space_grab
+from restshape.shape.hand.pull import pull
 from restshape.shape.outline import Outline
-from restshape.shape.pin_drag import begin_space_grab
-from restshape.shape.pull import pull
 from restshape.shape.script_session import FRAME_TIME
 from restshape.shape.session import EditSession
 

@@ -16,7 +16,7 @@ from restshape.scene.edit_script import Script
 from restshape.scene.event_line import Analyse, EventLine, Idle, Redo, Undo
 from restshape.scene.model import Scene
 from restshape.scene.source import split_key
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.script_frame import ScriptFrame
 
 FRAME_TIME = 1.0 / 60.0

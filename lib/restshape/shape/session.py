@@ -40,27 +40,28 @@ from restshape.scene.load import revise
 from restshape.scene.model import Scene
 from restshape.scene.panels import panels_of
 from restshape.scene.plan import plan, refuse_switched
-from restshape.shape import gesture as gestures
-from restshape.shape import rigid_body_drag, topology_edits
-from restshape.shape.arc_grab import bent, grab_arc, is_arc
-from restshape.shape.both_halves import image_of, of_both_halves, reflected, twice
+from restshape.shape import topology_edits
 from restshape.shape.build import outline_of
-from restshape.shape.dart_drawing import with_drawn_dart, without_dart
-from restshape.shape.fairing import smooth
-from restshape.shape.gesture import Gesture
 from restshape.shape.given_shape import Follow, ShapeFollower
 from restshape.shape.gradual import sweep
-from restshape.shape.hand_map import map_of, refuse_map
-from restshape.shape.handpath import resampled
+from restshape.shape.hand import gesture as gestures
+from restshape.shape.hand import rigid_body_drag
+from restshape.shape.hand.arc_grab import bent, grab_arc, is_arc
+from restshape.shape.hand.both_halves import image_of, of_both_halves, reflected, twice
+from restshape.shape.hand.fairing import smooth
+from restshape.shape.hand.gesture import Gesture
+from restshape.shape.hand.hand_map import map_of, refuse_map
+from restshape.shape.hand.handpath import resampled
+from restshape.shape.hand.panel_drag import fold_beside, refuse_foreign_part, turned_panel
+from restshape.shape.hand.pin_drag import begin_space_grab
+from restshape.shape.hand.pull import pull
+from restshape.shape.hand.shape_grab import Grab, ShapeGrab
+from restshape.shape.hand.space_grab import SpaceGrab
 from restshape.shape.outline import Entity, Outline
-from restshape.shape.panel_drag import fold_beside, refuse_foreign_part, turned_panel
-from restshape.shape.pin_drag import begin_space_grab
-from restshape.shape.pull import pull
+from restshape.shape.panels.dart_drawing import with_drawn_dart, without_dart
 from restshape.shape.references import parts_of_edits, refuse_lost_names, without_lost_sizes
 from restshape.shape.script_frame import ScriptFrame
 from restshape.shape.script_session import STILL, GrabbedStep, ScriptSession, State, Step
-from restshape.shape.shape_grab import Grab, ShapeGrab
-from restshape.shape.space_grab import SpaceGrab
 from restshape.shape.validity import MotionCheck, problem, too_far
 
 OF_SHAPE = ("pull", "smooth", "arc", "insert", "delete")

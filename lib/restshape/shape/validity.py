@@ -14,7 +14,7 @@ from restshape import _kernels
 from restshape.arrays import Bytes, Reals
 from restshape.bounds import OUTLINE_PIECES, REACH
 from restshape.errors import UserError
-from restshape.shape.gesture import Gesture
+from restshape.shape.hand.gesture import Gesture
 from restshape.shape.outline import Outline
 from restshape.shape.place_words import place_words
 

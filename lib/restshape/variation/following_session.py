@@ -9,8 +9,8 @@ import numpy as np
 from restshape.application import Application
 from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
-from restshape.shape.gesture import other_curves, towards
 from restshape.shape.given_shape import same_layout, varied
+from restshape.shape.hand.gesture import other_curves, towards
 from restshape.shape.outline import Outline
 from restshape.shape.script_session import Step
 from restshape.shape.session import EditSession

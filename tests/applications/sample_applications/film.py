@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from restshape.analysis.analysis import Analysis, Context
-from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.application import Application
 from restshape.fem import problem as kinds
 from restshape.fem.elements import CONDUCTION

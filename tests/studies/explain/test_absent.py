@@ -11,10 +11,10 @@ from counted_replays import begin_log, happened, tally, watched
 from small_scenes import CLAMPED, HOLE, PULLED, STEEL, across, block, drag, head, meshed, write_scene, write_script
 
 from restshape import _kernels
-from restshape.analysis.modal import ModalAnalysis
-from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
-from restshape.analysis.steady import SteadyAnalysis
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
+from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.application import application
 from restshape.physics.cloth.relaxation.relaxation_analysis import RelaxationAnalysis
 

@@ -28,9 +28,9 @@ from restshape_studies.stability.tried import Found
 
 from restshape.cli.main import main
 from restshape.mesh.importer import read_mesh
-from restshape.shape.dxf import read_dxf
-from restshape.shape.geo import read_geo
-from restshape.shape.svg import read_svg
+from restshape.shape.drawings.dxf import read_dxf
+from restshape.shape.drawings.geo import read_geo
+from restshape.shape.drawings.svg import read_svg
 
 SCENE_TABLE = {"format": "x", "version": 1, "shape": {"vertices": {"a": [0.0, 1.5]}}, "mesh": {"size": 0.25}}
 LINES = [{"format": "e", "version": 1}, {"t": 0.1, "do": "press", "on": "a"}, {"t": 0.2, "do": "drag", "to": [1.0, 2]}]

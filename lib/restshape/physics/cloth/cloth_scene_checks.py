@@ -16,7 +16,7 @@ from restshape.scene.pattern_packing import bounds
 from restshape.scene.source import Source, split_key, suggestion
 from restshape.scene.space_values import evaluated
 from restshape.scene.units import UnitError
-from restshape.shape.panel_placement import PatternPlacement
+from restshape.shape.panels.panel_placement import PatternPlacement
 
 Key = tuple[str, ...]
 LARGE, UNLIKE = 10.0, 30.0

@@ -8,7 +8,7 @@ from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.seams.pleats import Pleats
 from restshape.physics.cloth.seams.seam_lines import SeamLine, pleated_lines
 from restshape.scene.model import Scene
-from restshape.shape.panel_placement import PatternPlacement
+from restshape.shape.panels.panel_placement import PatternPlacement
 
 ALL = slice(None)
 SLOPE = 0.2

@@ -10,15 +10,15 @@ from restshape.scene.plan import Plan
 def steady_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[SteadyProblem]:
     """The analysis of a static solid; arguments as of any `Analysis`."""
     if plan.solver.equations == "nonlinear":
-        from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
+        from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
 
         return NonlinearSteadyAnalysis(scene, plan, context, PlaneSolid)
     if plan.on("buckling"):
-        from restshape.analysis.buckling import BucklingAnalysis
+        from restshape.analysis.buckling.buckling import BucklingAnalysis
         from restshape.physics.elasticity.prestressed_solid import PrestressedSolid
 
         return BucklingAnalysis(scene, plan, context, PrestressedSolid)
-    from restshape.analysis.steady import SteadyAnalysis
+    from restshape.analysis.static.steady import SteadyAnalysis
 
     return SteadyAnalysis(scene, plan, context, PlaneSolid)
 
@@ -26,9 +26,9 @@ def steady_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[Stea
 def transient_analysis(scene: Scene, plan: Plan, context: Context) -> Analysis[TransientProblem]:
     """The analysis of a solid that moves; arguments as of any `Analysis`."""
     if plan.solver.equations == "nonlinear":
-        from restshape.analysis.nonlinear_transient import NonlinearTransientAnalysis
+        from restshape.analysis.motion.nonlinear_transient import NonlinearTransientAnalysis
 
         return NonlinearTransientAnalysis(scene, plan, context, PlaneSolid)
-    from restshape.analysis.transient import TransientAnalysis
+    from restshape.analysis.motion.transient import TransientAnalysis
 
     return TransientAnalysis(scene, plan, context, PlaneSolid)

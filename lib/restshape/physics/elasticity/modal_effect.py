@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field
 
-from restshape.analysis.hanging_columns import NOTE, PLACES, loss_columns
+from restshape.analysis.modal.hanging_columns import NOTE, PLACES, loss_columns
 from restshape.errors import UserError, ValueProblem
 from restshape.scene.effect import DerivedEffect, Effect, ResolvedSettings
 from restshape.scene.model import Scene

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from restshape.analysis.pitch import frequency_of
+from restshape.analysis.modal.pitch import frequency_of
 from restshape.errors import UserError, ValueProblem
 from restshape.scene.quantity import QuantityKind
 from restshape.scene.units import declare_dimension

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import isfinite
 
-from restshape.analysis.pitch import A4, note, tuned
+from restshape.analysis.modal.pitch import A4, note, tuned
 
 HEARD = (16.0, 20e3)
 """Frequencies [Hz] that are tones."""

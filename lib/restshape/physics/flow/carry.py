@@ -13,7 +13,7 @@ import numpy as np
 from restshape import _kernels
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import Outcome
-from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
 from restshape.mesh.transfer import FieldNodes, Transfer
 from restshape.physics.flow.flow_declaration import FlowSettings

@@ -16,8 +16,8 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.frame import Frame
-from restshape.analysis.nonlinear import COLD, NonlinearState, NonlinearSteadyAnalysis, NonlinearSystem
-from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.static.nonlinear import COLD, NonlinearState, NonlinearSteadyAnalysis, NonlinearSystem
+from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem, UserError
 from restshape.fem.problem import Problem
 from restshape.first_use import made

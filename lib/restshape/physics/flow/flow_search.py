@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import Outcome
-from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow
 from restshape.physics.flow.reynolds import characteristic_length, stream

@@ -9,9 +9,9 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.correction import KeptOperation
-from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
-from restshape.analysis.residual_equations import ResidualEquations
-from restshape.analysis.steady_predictor import SteadyPredictor
+from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.static.residual_equations import ResidualEquations
+from restshape.analysis.static.steady_predictor import SteadyPredictor
 from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import Operation, unconstrained_residual
 from restshape.physics.flow.flow_search import FlowSearch

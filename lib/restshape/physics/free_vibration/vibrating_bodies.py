@@ -1,7 +1,7 @@
 """The body that a scene lets vibrate, by the model that its plan names, and the analysis of its modes."""
 
 from restshape.analysis.analysis import Context
-from restshape.analysis.modal import ModalAnalysis
+from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.physics.elasticity.thickness_layers import layers_of

@@ -1,8 +1,8 @@
 """The analysis of conduction that a plan calls for."""
 
 from restshape.analysis.analysis import Analysis, Context
-from restshape.analysis.steady import SteadyAnalysis
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.fem.problem import TransientProblem
 from restshape.physics.heat.conduction import HeatConduction
 from restshape.scene.model import Scene

@@ -14,9 +14,9 @@ from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Analysis, Comparison, Context
 from restshape.analysis.comparison import compared_by_fields
 from restshape.analysis.frame import Frame
-from restshape.analysis.nonlinear import NonlinearSteadyAnalysis
-from restshape.analysis.residual_equations import ResidualEquations
-from restshape.analysis.transient import TransientAnalysis
+from restshape.analysis.motion.transient import TransientAnalysis
+from restshape.analysis.static.nonlinear import NonlinearSteadyAnalysis
+from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.application import application_of
 from restshape.fem.problem import SteadyProblem
 from restshape.first_use import made

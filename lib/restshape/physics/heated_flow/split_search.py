@@ -11,8 +11,8 @@ from restshape.algebra.linear import LinearSolver
 from restshape.algebra.newton import Newton
 from restshape.algebra.newton_convergence import Outcome
 from restshape.analysis.analysis import Context
-from restshape.analysis.nonlinear import NonlinearSystem
-from restshape.analysis.residual_equations import ResidualEquations
+from restshape.analysis.static.nonlinear import NonlinearSystem
+from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.fem.problem import SteadyProblem
 from restshape.physics.heated_flow.heated_flow import HeatedFlow
 from restshape.physics.heated_flow.heated_flow_search import HeatedFlowSearch

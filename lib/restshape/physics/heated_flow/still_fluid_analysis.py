@@ -5,7 +5,7 @@ from dataclasses import replace
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.frame import Frame
-from restshape.analysis.steady import SteadyAnalysis
+from restshape.analysis.static.steady import SteadyAnalysis
 from restshape.physics.heated_flow.still_fluid import StillFluid
 
 

@@ -13,7 +13,7 @@ from restshape.scene.model import Scene
 from restshape.scene.seam_keys import Seam
 from restshape.shape.outline import Outline
 from restshape.shape.outward import outward_of, text_angle
-from restshape.shape.seam_parts import seam_colours
+from restshape.shape.patterns.seam_parts import seam_colours
 
 NEAR = 0.3
 """Distance from an edge over the length of a side of the mesh up to which that lies on the edge."""

@@ -10,7 +10,7 @@ import numpy as np
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.morley import MorleySpace
 from restshape.scene.pattern_packing import PanelFrame
-from restshape.shape.panel_placement import plane_axes
+from restshape.shape.panels.panel_placement import plane_axes
 
 
 @dataclass(frozen=True, eq=False)

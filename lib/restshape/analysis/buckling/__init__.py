@@ -1,0 +1,1 @@
+"""Buckling: load factors of solids at rest, their modes and their predictions."""

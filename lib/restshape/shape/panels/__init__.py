@@ -1,0 +1,1 @@
+"""Panels: cut on the fold, with darts and pleats, placed in space or wrapped about bodies."""
