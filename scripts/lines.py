@@ -35,7 +35,7 @@ EARLY_AREAS = {
 """Of commits without a folder of that name: where its files lay."""
 ORDER = ("lib", "kernels", "apps", "apps, C++", "studies", "verification", "scripts", "tests")
 ROOM = re.compile(r"lib/restshape/(?!live/)\w+(?:/\w+){0,2}(?=/)|lib/(?:restshape|kernels)/\w+(?=/)|lib/\w+(?=/)")
-"""The rooms of lib: folders, those within them by themselves but for the page of live sessions, and files beside them."""
+"""The rooms of lib: folders, those within them by themselves but for the live page, and files beside them."""
 
 
 def main() -> int:
