@@ -49,14 +49,16 @@ void require_nodes_of(const restshape::PatchRecovery& patches, const Reals& X) {
         throw std::invalid_argument("X must be (n, 2), with all nodes of the cells");
 }
 
-using Values = restshape::PatchRecovery::Values;
-using Nodes = const int32_t * [restshape::pack_lanes];
-using Corners = restshape::Pack[2][3];
+template <int components>
+using Values = restshape::PatchRecovery::Values<components>;
+using Nodes = const int32_t * [restshape::register_lanes];
+using Corners = restshape::RegisterPack[2][3];
 
-// A lane of packs to each of these rows of (n, 4).
-void put(const int* rows, int count, const Values& from, double* to) {
+// A lane of packs to each of these rows of (n, 4): what is not there is 0.
+template <int components>
+void put(const int* rows, int count, const Values<components>& from, double* to) {
     for (int lane = 0; lane < count; ++lane)
-        for (int i = 0; i < 4; ++i) to[4 * static_cast<size_t>(rows[lane]) + i] = from[i][lane];
+        for (int i = 0; i < 4; ++i) to[4 * static_cast<size_t>(rows[lane]) + i] = i < components ? from[i][lane] : 0.0;
 }
 
 void count_recovery(const restshape::PatchRecovery& patches) {
@@ -72,13 +74,13 @@ void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& str
     count_recovery(patches);
     const double* of = stress.data();
     double* to = out.mutable_data();
-    patches.run(
+    patches.run<4>(
         X.data(), nullptr,
-        [of](const int* cells, int, const Nodes&, const Corners&, Values& found) {
-            for (int lane = 0; lane < restshape::pack_lanes; ++lane)
+        [of](const int* cells, int, const Nodes&, const Corners&, Values<4>& found) {
+            for (int lane = 0; lane < restshape::register_lanes; ++lane)
                 for (int i = 0; i < 4; ++i) found[i][lane] = of[4 * static_cast<size_t>(cells[lane]) + i];
         },
-        [to](const int* rows, int count, const Values& found) { put(rows, count, found, to); });
+        [to](const int* rows, int count, const Values<4>& found) { put<4>(rows, count, found, to); });
 }
 
 // Where results go: none where an array is empty, else it has `count` numbers.
@@ -86,6 +88,34 @@ double* room(std::optional<Reals>& array, py::ssize_t count) {
     if (!array) return nullptr;
     if (array->size() != count) throw std::invalid_argument("an array has not as many numbers as there are results");
     return array->mutable_data();
+}
+
+// Where results of `recover_stresses` go; null: nowhere.
+struct Recovered {
+    double *energies, *of_cells, *of_rows, *equivalent;
+};
+
+// Without the last component, which is 0 in plane stress, a fit takes three quarters of the numbers.
+template <int components>
+void recover_stresses(restshape::PatchRecovery& patches, const restshape::Triangles& on, const Recovered& to) {
+    const restshape::TriangleLoop loop(on);
+    patches.run<components>(
+        on.X, on.x,
+        [&](const int* cells, int count, const Nodes& nodes, const Corners& corners, Values<components>& found) {
+            const restshape::PackedStress own = loop.stress(nodes, corners, [cells](int lane) { return cells[lane]; });
+            found[0] = own.xx, found[1] = own.yy, found[2] = own.xy;
+            if constexpr (components == 4) found[3] = own.zz;
+            for (int lane = 0; lane < count; ++lane) to.energies[cells[lane]] = own.energy[lane];
+            if (to.of_cells) put<components>(cells, count, found, to.of_cells);
+        },
+        [&](const int* rows, int count, const Values<components>& found) {
+            if (to.of_rows) put<components>(rows, count, found, to.of_rows);
+            if (!to.equivalent) return;
+            restshape::RegisterPack all[4] = {};
+            for (int i = 0; i < components; ++i) all[i] = found[i];
+            const restshape::RegisterPack own = restshape::equivalent_stress(all);
+            for (int lane = 0; lane < count; ++lane) to.equivalent[rows[lane]] = own[lane];
+        });
 }
 
 void recover_triangles(restshape::PatchRecovery& patches, const Reals& X, const Reals& x, const Reals& params,
@@ -97,26 +127,14 @@ void recover_triangles(restshape::PatchRecovery& patches, const Reals& X, const 
     if (!each && (params.ndim() != 1 || params.size() != 5))
         throw std::invalid_argument("params must be (5,) or (ne, 5)");
     if (x.size() != X.size() || energy.size() != ne) throw std::invalid_argument("x must be (n, 2), energy (ne,)");
-    double *of_cells = room(stress, 4 * ne), *of_rows = room(nodal, 4 * rows), *sizes = room(equivalent, rows);
+    const Recovered to{energy.mutable_data(), room(stress, 4 * ne), room(nodal, 4 * rows), room(equivalent, rows)};
     restshape::element("linear_elastic_tri3").tally->add(restshape::Purpose::stress, ne);
     count_recovery(patches);
     const restshape::Triangles on{X.data(), x.data(), patches.nodes(), params.data(), each ? 5 : 0, plane_stress};
-    double* energies = energy.mutable_data();
-    const restshape::TriangleLoop loop(on);
-    patches.run(
-        X.data(), x.data(),
-        [&](const int* cells, int count, const Nodes& nodes, const Corners& corners, Values& found) {
-            const restshape::PackedStress own = loop.stress(nodes, corners, [cells](int lane) { return cells[lane]; });
-            found[0] = own.xx, found[1] = own.yy, found[2] = own.xy, found[3] = own.zz;
-            for (int lane = 0; lane < count; ++lane) energies[cells[lane]] = own.energy[lane];
-            if (of_cells) put(cells, count, found, of_cells);
-        },
-        [&](const int* rows, int count, const Values& found) {
-            if (of_rows) put(rows, count, found, of_rows);
-            if (!sizes) return;
-            const restshape::Pack own = restshape::equivalent_stress(found);
-            for (int lane = 0; lane < count; ++lane) sizes[rows[lane]] = own[lane];
-        });
+    if (plane_stress)
+        recover_stresses<3>(patches, on, to);
+    else
+        recover_stresses<4>(patches, on, to);
 }
 
 py::array_t<int> cells_around(const Ints& cells, const Ints& nodes, int node_count) {

@@ -3,24 +3,20 @@
 
 #include <cmath>
 
-#include "fem/pack.hpp"
+#include "fem/register_pack.hpp"
 
 namespace restshape {
 
-constexpr int patch_components = 4;
-
 // By the normal equations of 1, x, y, from the node on; a number of one node, or of several, a lane each.
-template <class Number>
+template <class Number, int components>
 struct PatchFit {
-    Number b0[patch_components] = {}, b1[patch_components] = {}, b2[patch_components] = {};
+    Number b0[components] = {}, b1[components] = {}, b2[components] = {};
     Number count{}, x{}, y{}, xx{}, xy{}, yy{};
     Number c00{}, c01{}, c02{}, det{}, inverse{};
 
-    [[gnu::always_inline]] void add(const Number& along, const Number& across,
-                                    const Number (&value)[patch_components]) {
+    [[gnu::always_inline]] void add(const Number& along, const Number& across, const Number (&value)[components]) {
         x += along, y += across, xx += along * along, xy += along * across, yy += across * across;
-        for (int i = 0; i < patch_components; ++i)
-            b0[i] += value[i], b1[i] += along * value[i], b2[i] += across * value[i];
+        for (int i = 0; i < components; ++i) b0[i] += value[i], b1[i] += along * value[i], b2[i] += across * value[i];
     }
 
     [[gnu::always_inline]] void solve(const Number& places) {
