@@ -303,22 +303,24 @@ def test_every_frame_can_be_taken_back_and_done_again(kind):
     assert {1, 3} <= levels and (kind != "laplacian" or 2 in levels)
 
 
-def test_the_first_rank_alone_generates():
-    made = []
+def test_one_rank_refines_and_all_number_what_it_gives():
+    """Places and triangles come from one rank, their order from two at once; each mesh lies on the frame's shape."""
+    asked = []
 
-    def broadcast(make):
-        made.append(make())
-        return made[-1]
+    def shared(*makes):
+        asked.append(len(makes))
+        return [deepcopy(make()) for make in makes]
 
-    mesh, hand, gesture = begin("harmonic", ranks=2, broadcast=broadcast)
-    assert made == [mesh.mesh] and len(mesh.mesh.node_offsets) == 3
+    mesh, hand, gesture = begin("harmonic", ranks=2, shared=shared)
+    former = mesh.mesh
+    assert asked == [1, 2] and len(former.node_offsets) == 3
     mesh.update(hand.frame("drag", "move", gesture, (0.9, 0.0)))
-    assert made[1] is mesh.mesh
+    assert asked == [1, 2] * 2 and mesh.mesh is not former
 
 
-def test_a_mesh_that_another_rank_made_lies_on_the_shape_of_the_frame():
+def test_a_mesh_that_another_rank_refined_lies_on_the_shape_of_the_frame():
     """Else the old mesh on the new shape is taken for one on the shape before, and jumps depend on ranks."""
-    mesh, hand, gesture = begin("harmonic", ranks=2, broadcast=lambda make: deepcopy(make()))
+    mesh, hand, gesture = begin("harmonic", ranks=2, shared=lambda *makes: [deepcopy(make()) for make in makes])
     former = mesh.mesh
     assert former.outline is hand.outline
     frame = hand.frame("scale", "mesh", gesture, (0.0, 0.0))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, Protocol
+
 import numpy as np
 
 from restshape import _kernels
@@ -25,29 +28,45 @@ SWEEPS = 3
 """Smoothing sweeps after Delaunay refinement: each costs 1 % of the mesher and they raise the mean quality by 0.08."""
 
 
-def generate(outline: Outline, spec: MeshSpec, ranks: int = 1) -> Mesh:
+class Shared(Protocol):
+    """Calls functions at once, each on one rank; all have the results of all, or the first error is raised on all."""
+
+    def __call__(self, *makes: Callable[[], Any]) -> list[Any]: ...
+
+
+def alone(*makes: Callable[[], Any]) -> list[Any]:
+    """The results of functions that one rank calls."""
+    return [make() for make in makes]
+
+
+def generate(outline: Outline, spec: MeshSpec, ranks: int = 1, shared: Shared = alone) -> Mesh:
     """A mesh of an outline that resolves all its entities; the same input gives the same mesh, bit for bit.
 
     Args:
         outline: a valid shape.
         spec: the scene's ``MeshSpec``: `size` [m], `near`, smaller sizes [m] at entities, and `mesher`.
         ranks: number of ranks; nodes are grouped by the rank that owns them.
+        shared: how ranks share the work: one of them refines, and all number and connect, which takes less than to
+            send a mesh with its edges.
 
     Raises:
         ReplayProblem: this shape cannot be meshed.
         UserError: `near` names an entity that is not there.
     """
-    if outline.piece_names != ("outline",):
-        sizing_of(outline, spec)
-        return assemble(
-            outline, *joined(outline, [_refined(part, own_spec(part, spec)) for part in parts(outline)]), ranks
-        )
-    boundary, X, cells, known = _refined(outline, spec)
-    return assemble(outline, boundary, X, cells, ranks, known)
+    ((boundary, X, cells, known),) = shared(lambda: _all_refined(outline, spec))
+    return assemble(outline, boundary, X, cells, ranks, known, shared)
 
 
 Refined = tuple[Boundary, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray] | None]
 """A boundary with its nodes, all nodes (n, 2) [m], triangles (ne, 3), and facets with their edges where known."""
+
+
+def _all_refined(outline: Outline, spec: MeshSpec) -> Refined:
+    """Nodes and triangles of all pieces, in any order; errors as of `generate`."""
+    if outline.piece_names == ("outline",):
+        return _refined(outline, spec)
+    sizing_of(outline, spec)
+    return (*joined(outline, [_refined(part, own_spec(part, spec)) for part in parts(outline)]), None)
 
 
 def _refined(outline: Outline, spec: MeshSpec) -> Refined:
@@ -92,6 +111,7 @@ def assemble(
     cells: np.ndarray,
     ranks: int,
     known: tuple[np.ndarray, np.ndarray] | None = None,
+    shared: Shared = alone,
 ) -> Mesh:
     """A mesh with its nodes and cells in their final order.
 
@@ -99,12 +119,13 @@ def assemble(
         outline: the shape; boundary: its nodes, the first rows of X.
         X: (n, 2) [m]; cells: (ne, 3) counter-clockwise; ranks: number of ranks.
         known: facets of the boundary and their edges, where there are any.
+        shared: as of `generate`, of ranks that all have these arrays.
 
     Raises:
         ReplayProblem: an edge of the outline is not made of sides of triangles.
     """
-    curve = node_order(X)
-    owner = node_owners(X, ranks)[curve].astype(np.int16)
+    curve, owner = shared(lambda: node_order(X), lambda: node_owners(X, ranks).astype(np.int16))
+    owner = owner[curve]
     by_owner = np.argsort(owner, kind="stable")
     order = curve[by_owner]
     number = np.empty(len(X), dtype=np.int32)

@@ -15,7 +15,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.first_use import made
 from restshape.memory import give_back
 from restshape.mesh.advance import CONNECTIVITY, NO_CELLS, MeshUpdate
-from restshape.mesh.generate import generate
+from restshape.mesh.generate import Shared, alone, generate
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.mesh.mesh import Mesh
 from restshape.mesh.mesh_area import MeshArea
@@ -86,7 +86,7 @@ class MovingMesh:
         spec: how fine, of which relocation and criterion.
         ranks: number of parts that the nodes are numbered by.
         regenerate: a new mesh in every frame that moves.
-        broadcast: calls a function on rank 0 and returns its result, or raises its error, on every rank.
+        shared: how ranks share the making of a mesh (`restshape.mesh.generate`).
         relocation, criterion: instead of the spec's.
         flip_everywhere: level 2 makes the whole mesh Delaunay, as in the thesis; otherwise it begins at low-quality
             triangles, so that an old factor still fits.
@@ -104,7 +104,7 @@ class MovingMesh:
         ranks: int = 1,
         *,
         regenerate: bool = False,
-        broadcast: Callable[[Callable[[], Mesh]], Mesh] | None = None,
+        shared: Shared = alone,
         relocation: str | None = None,
         criterion: str | None = None,
         flip_everywhere: bool = False,
@@ -113,7 +113,7 @@ class MovingMesh:
         harmonic: Harmonic = HarmonicExtension,
     ) -> None:
         self.outline, self.ranks, self.regenerate = outline, ranks, regenerate
-        self._broadcast = broadcast or (lambda make: make())
+        self._shared = shared
         self._chosen_relocation, self._chosen_criterion, self._imported = relocation, criterion, imported
         self._flip_everywhere = flip_everywhere
         self._order_of, self._harmonic = order_of, harmonic
@@ -555,9 +555,7 @@ class MovingMesh:
         else:
             if frame.change in ("move", "shape"):
                 refuse_growth(frame.outline, self.spec, len(self.field_mesh.cells))
-            mesh = self._broadcast(lambda: self._generate(frame.outline))
-            # What came from another rank lies on a copy, which no comparison takes for the shape of the frame.
-            mesh.outline = frame.outline
+            mesh = self._generate(frame.outline)
         criterion = self._chosen_criterion or self.spec.criterion
         quality_floor, area_floor = thresholds(criterion, self.spec.min_quality, mesh.X, mesh.edge_nodes)
         quality, invalid, _ = _kernels.check_cells(mesh.X, mesh.cells, 0.0, 0.0)
@@ -579,7 +577,7 @@ class MovingMesh:
             near = {name: coarser * size for name, size in spec.near.items()}
             curves = max((spec.edges_per_circle or PER_CIRCLE[1]) // coarser, FEWEST_PER_CIRCLE)
             spec = spec.model_copy(update={"size": coarser * spec.size, "near": near, "edges_per_circle": curves})
-        return generate(outline, spec, self.ranks)
+        return generate(outline, spec, self.ranks, self._shared)
 
     def _adopt(self, mesh: Mesh, quality_floor: float, area_floor: float, quality: float) -> None:
         """Take a new mesh, whose worst triangle has this quality."""

@@ -1,14 +1,14 @@
 """Replays of scripts that edit an outline: the session, and the mesh that follows it."""
 
-from collections.abc import Callable
-from typing import cast
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from mpi4py.util.pkl5 import Intracomm as ArraysApart
 from petsc4py import PETSc
 
 from restshape.application import Application
 from restshape.errors import ReplayProblem, UserError
-from restshape.mesh.mesh import Mesh
+from restshape.mesh.generate import alone
 from restshape.mesh.moving import MovingMesh
 from restshape.mesh.relocate import Harmonic, HarmonicExtension
 from restshape.policy import Policy
@@ -38,15 +38,15 @@ def replayed_shape(
         imported, outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit, ranks=comm.size)
     session = EditSession(scene, script, application, outline)
 
-    def from_first_rank(make: Callable[[], Mesh]) -> Mesh:
-        return _broadcast(comm, make)
+    def shared(*makes: Callable[[], Any]) -> list[Any]:
+        return _shared(comm, makes)
 
     moving = MovingMesh(
         session.outline,
         scene.mesh,
         ranks=comm.size,
         regenerate=policy.regenerate,
-        broadcast=from_first_rank if comm.size > 1 else None,
+        shared=shared if comm.size > 1 else alone,
         relocation=policy.relocation,
         criterion=policy.criterion,
         flip_everywhere=policy.flip_everywhere,
@@ -64,16 +64,17 @@ def _harmonic_on(comm: PETSc.Comm) -> Harmonic:
     return harmonic_on(comm.tompi4py())
 
 
-def _broadcast(comm: PETSc.Comm, make: Callable[[], Mesh]) -> Mesh:
-    """What `make` gives on rank 0, on every rank; its problem, if it has one, is raised on every rank."""
+def _shared(comm: PETSc.Comm, makes: Sequence[Callable[[], Any]]) -> list[Any]:
+    """What each function gives on a rank of its own, as far as there are, on every rank; likewise the first problem."""
     ranks = ArraysApart(comm.tompi4py())
-    outcome: Mesh | ReplayProblem | UserError | None = None
-    if ranks.rank == 0:
+    outcomes: list[Any] = [None] * len(makes)
+    for k in range(ranks.rank, len(makes), ranks.size):
         try:
-            outcome = make()
+            outcomes[k] = makes[k]()
         except (ReplayProblem, UserError) as problem:
-            outcome = problem
-    outcome = ranks.bcast(outcome)
-    if isinstance(outcome, (ReplayProblem, UserError)):
-        raise outcome
-    return cast(Mesh, outcome)
+            outcomes[k] = problem
+    outcomes = [ranks.bcast(outcome, k % ranks.size) for k, outcome in enumerate(outcomes)]
+    for outcome in outcomes:
+        if isinstance(outcome, (ReplayProblem, UserError)):
+            raise outcome
+    return outcomes
