@@ -1,5 +1,7 @@
 """What is done in one pass of compiled code gives what its parts give, one after the other."""
 
+from time import perf_counter
+
 import numpy as np
 import pytest
 from petsc4py import PETSc
@@ -110,10 +112,13 @@ def test_terms_that_follow_one_another_are_summed_together():
 
 
 def test_stages_within_others_count_once():
-    stages = Stages()
+    stages, begun = Stages(), perf_counter()
     with stages("krylov"), stages("factor"):
         sum(range(100_000))
-    assert stages.seconds["factor"] > 10 * stages.seconds["krylov"] > 0.0
+    # Whatever else the machine does: time that counted twice would make more than there was.
+    taken = perf_counter() - begun
+    assert stages.seconds["factor"] > 0.0 and stages.seconds["krylov"] > 0.0
+    assert stages.seconds["factor"] + stages.seconds["krylov"] < taken + 1e-6
     stages.reset()
     assert not any(stages.seconds.values())
     with pytest.raises(KeyError, match="failed"), stages("values"):

@@ -23,8 +23,11 @@ def arc_fraction(bulge: float, s: Reals) -> Complexes:
         s: (m,) share of the angle, 0 at a and 1 at b.
     """
     half = 2.0 * np.arctan(bulge)
-    if abs(half) < STRAIGHT:
-        return s + 0j
+    return s + 0j if abs(half) < STRAIGHT else arc_fractions(half, s)
+
+
+def arc_fractions(half: Reals | float, s: Reals) -> Complexes:
+    """The same (m,) on arcs that turn: half their angles are `half` (m,), of one or of several arcs."""
     return np.exp(1j * half * (s - 1.0)) * (np.sin(half * s) / np.sin(half))
 
 

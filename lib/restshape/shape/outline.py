@@ -303,11 +303,17 @@ class Outline:
             s: (m,) parameters, edge after edge.
             points: (k, 2) control points, or a displacement of them; default: this outline's.
         """
-        own, t = self.points if points is None else points, s[:, None]
-        start, end = (np.repeat(self.layout.ends[:, k], np.diff(first)) for k in (0, 1))
-        found: Reals = np.add(own[start] * np.subtract(1.0, t), own[end] * t)
-        bent = np.abs(curves.half_angles(self.bulges)) >= curves.STRAIGHT
-        for edge in (*np.flatnonzero(bent).tolist(), *self.layout.curved):
+        own, counts, t = self.points if points is None else points, np.diff(first), s[:, None]
+        a, b = own[self.layout.ends[:, 0]], own[self.layout.ends[:, 1]]
+        found: Reals = np.add(np.repeat(a, counts, axis=0) * np.subtract(1.0, t), np.repeat(b, counts, axis=0) * t)
+        half = curves.half_angles(self.bulges)
+        bent = np.abs(half) >= curves.STRAIGHT
+        if bent.any():
+            rows, share = np.repeat(bent, counts), counts[bent]
+            z = curves.arc_fractions(np.repeat(half[bent], share), s[rows])
+            start, end = (np.repeat(ends[bent].view(np.complex128)[:, 0], share) for ends in (a, b))
+            found[rows] = (start * (1.0 - z) + end * z).view(np.float64).reshape(-1, 2)
+        for edge in self.layout.curved:
             found[first[edge] : first[edge + 1]] = self.point(edge, s[first[edge] : first[edge + 1]], points)
         return found
 

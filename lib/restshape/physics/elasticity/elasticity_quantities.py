@@ -170,7 +170,9 @@ class PlaneQuantities:
     def _kinds_at(self, nodes: np.ndarray) -> list[str]:
         """The kinds of integrals over entities with any of the nodes."""
         on_facets = {kind: self.solid.integrals(kind) for kind in (LOADS, FOLLOWERS)}
-        touching = [kind for kind, some in on_facets.items() if any(np.isin(one.entities, nodes).any() for one in some)]
+        at = np.zeros(len(self.space.X), dtype=bool)
+        at[nodes] = True
+        touching = [kind for kind, some in on_facets.items() if any(at[one.entities].any() for one in some)]
         return [INTERNAL, *touching]
 
 
