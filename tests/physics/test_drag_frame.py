@@ -40,6 +40,18 @@ friction = 0.3
 TOUCH = {"do": "set", "key": "bodies.ball.sphere.center.1", "value": -0.14, "frames": 8}
 PUSH = {"do": "set", "key": "bodies.ball.sphere.center.1", "value": -0.138, "frames": 4}
 
+HUNG = """
+[supports.left]
+on = "left"
+fix = ["x", "y", "z"]
+[supports.right]
+on = "right"
+fix = { x = "-0.2 m", y = 0, z = 0 }
+[bodies.ball]
+sphere = { center = [0.4, 0.5, 0.3], radius = 0.08 }
+friction = 0.3
+"""
+
 
 def untried(state, _):
     return state, False
@@ -171,3 +183,12 @@ def test_tension_is_what_is_left_without_negative_principal_values():
         left = (axes * np.maximum(values, 0.0)) @ axes.T
         assert found == pytest.approx([left[0, 0], left[1, 1], left[0, 1]], abs=1e-14)
     assert stretching(np.zeros((1, 3))) == pytest.approx(np.zeros((1, 3)))
+
+
+def test_cloth_that_a_body_has_pressed_hangs_as_before_once_it_is_away_in_one_frame(tmp_path, monkeypatch):
+    """Newton's steps from there tear it: it goes on from where it was pressed, and not from places of more energy."""
+    down = {"do": "set", "key": "bodies.ball.sphere.center.2", "value": -0.28, "frames": 1}
+    ((state, energy),) = rests(tmp_path, monkeypatch, CONTACT, HUNG, first=down, then={**down, "value": 0.3})
+    ((_, first),) = rests(tmp_path, monkeypatch, CONTACT, HUNG, first={"do": "idle"}, then={"do": "idle"})
+    assert state.report.converged and state.report.stable
+    assert energy == pytest.approx(first, rel=0.02)

@@ -69,14 +69,14 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
     begun, way = _uncrossed(state, last, known)
     if begun is None:
         return replace(state, expected=_first_order(state, last)), False
-    report = ConvergenceReport()
+    report, begins = ConvergenceReport(), _energy_begun(state, last, known)
     newton = MixedNewton(solver, report, begun.tensions if way.slides else None)
     x, expected = _first_step(state, begun, way, newton)
     state = replace(state, expected=expected or _first_order(state, last))
     rests = False
     if x is not None:
         most = BEYOND * farthest(problem, x - begun.x)
-        x, rests = newton.converge(x, FEW if left_out else MOST)
+        x, rests = newton.converge(x, FEW if left_out else MOST, begins)
         if x is not None and farthest(problem, x - begun.x) > most:
             x = None
     log.info(
@@ -91,6 +91,17 @@ def drag_frame(state: RelaxationState, last: LastRest) -> tuple[RelaxationState,
         _restore(state, known)
         return replace(state, expected=replace(state.expected, work=_first_order(state, last).work)), False
     return replace(state, x=x, report=report), True
+
+
+def _energy_begun(
+    state: RelaxationState, last: LastRest, known: tuple[FrictionHistory | None, LayerFriction | None]
+) -> float:
+    """The energy [J] of the cloth at the last rest with supports, bodies and friction where the frame begins."""
+    ended = _memory(state)
+    _restore(state, known)
+    energy = state.problem.energy(state.problem.constrain(last.x))
+    _restore(state, ended)
+    return energy
 
 
 def _uncrossed(

@@ -22,6 +22,8 @@ MOST, FEW, PATIENCE, BETTER = 40, 6, 7, 0.7
 so far, after which it is given up."""
 SELDOM = 5
 """Steps in a row without a definite true tangent, from which on it is tried in one of as many."""
+RECOVERED = 4
+"""Steps after which the energy that the first one has brought in by the stretch of what it turns is to be out again."""
 NEAR_SADDLE, CREEPING, ESCAPES = 1e-2, 5e-2, 2
 """Residual over load at which a tangent that is not definite shows a saddle nearby; that at which it does so where a
 step has left more than a part of the least forces so far; saddles that are left."""
@@ -99,15 +101,17 @@ class MixedNewton:
         self.report.newton, self.report.steps = self.report.newton + 1, self.report.steps + 1
         return reached
 
-    def converge(self, x: np.ndarray, most: int = MOST) -> tuple[np.ndarray | None, bool]:
+    def converge(self, x: np.ndarray, most: int = MOST, begun: float = np.inf) -> tuple[np.ndarray | None, bool]:
         """The equilibrium near x (n, 3) with friction that has followed, and whether it is found in few steps.
 
-        Else the positions with the least energy; None where supports did not get where they are.
+        Else the positions with the least energy; None where supports did not get where they are, or where the energy
+        is above that which the cloth begins with: steps have torn it.
 
         Args:
             most: steps at most.
+            begun: energy [J] where the cloth begins. It must be below that after `RECOVERED` steps.
         """
-        steps = self.steps(x, most)
+        steps = self.steps(x, most, begun)
         while True:
             try:
                 next(steps)
@@ -115,12 +119,14 @@ class MixedNewton:
                 found: tuple[np.ndarray | None, bool] = end.value
                 return found
 
-    def steps(self, x: np.ndarray, most: int = MOST) -> Generator[np.ndarray, None, tuple[np.ndarray | None, bool]]:
+    def steps(
+        self, x: np.ndarray, most: int = MOST, begun: float = np.inf
+    ) -> Generator[np.ndarray, None, tuple[np.ndarray | None, bool]]:
         """The same by single steps, each of which gives where it leads; the value is what `converge` gives."""
         solver, problem, report = self.solver, self.problem, self.report
         least, since, escapes, forces = np.inf, 0, 0, np.empty_like(x)
         best: tuple[float, np.ndarray | None] = (np.inf, None)
-        for _ in range(most):
+        for taken in range(most):
             given = problem.constrain(x) - x
             problem.residual(x, forces)
             norm = float(np.linalg.norm(forces)) / solver.scale(x)
@@ -145,8 +151,9 @@ class MixedNewton:
                 report.saddles += 1
                 escapes, least, since, self._tensions = escapes + 1, norm, 0, None
                 problem.residual(x, forces)
-            if since > PATIENCE or (d := self.way(x, forces, given, norm)) is None:
+            torn = taken == RECOVERED and begun < best[0] < np.inf
+            if torn or since > PATIENCE or (d := self.way(x, forces, given, norm)) is None:
                 break
             x = self.go(x, d)
             yield x
-        return best[1], False
+        return best[1] if best[0] <= begun else None, False
