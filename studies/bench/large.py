@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from pathlib import Path
 from statistics import mean, median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 from restshape_studies.bench.job import Job, Outcome, Row, run
@@ -23,7 +23,7 @@ from restshape.scene.load import load_scene
 
 PREDICTED = "predicted"
 """Beside policies: the frames of the drag, predicted linearly."""
-LONG = 5
+LONG = 3
 """Frames of policies without reuse, whose every frame costs the same."""
 ENOUGH = 0.7
 """Of the time of a replay, after which no other frame begins: what was measured so far is kept."""
@@ -138,9 +138,9 @@ def study(
 
 
 def ratios(policies: Row) -> dict[str, float]:
-    """How many times the time of `auto` the median frame of each other policy takes."""
-    own = policies.get("auto", {}).get("ms")
-    others = {name: one.get("ms") for name, one in policies.items() if name not in ("auto", PREDICTED)}
+    """How many times the processor time of `auto` the median frame of each other policy takes."""
+    own = policies.get("auto", {}).get("cpu_ms")
+    others = {name: one.get("cpu_ms") for name, one in policies.items() if name not in ("auto", PREDICTED)}
     return {name: ms / own for name, ms in others.items() if ms and own}
 
 
@@ -152,8 +152,9 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
         frames: that move nodes, after which it ends; 0: after the first one, which moves none.
         seconds: after which no other frame begins.
 
-    Returns: unknowns, elements; first_ms; frames that moved, ms (p50), iterations (mean), refreshes, levels (each
-        frame's), preconditioner; peak_mb, base_mb (libraries), stored_mb (matrices and preconditioner).
+    Returns: unknowns, elements; first_ms, first_cpu_ms (of the processor, which other work takes no part of); frames
+        that moved, ms and cpu_ms (p50), iterations (mean), refreshes, levels (each frame's), preconditioner; peak_mb,
+        base_mb (libraries), stored_mb (matrices and preconditioner).
 
     Raises:
         UserError: the first shape has no solution.
@@ -162,19 +163,24 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
     run = Run(replace(request, measured="residual"), summed=False)
     first: Row = {}
     moved: list[Row] = []
+    last = process_time()
     for row in run.rows():
-        first = first or dict(row)
+        last, since = process_time(), last
+        timed = dict(row) | {"cpu_ms": 1e3 * (last - since)}
+        first = first or timed
         if row["index"] and (row["level"] or row["predicted"]) and not row["refused"]:
-            moved.append(dict(row))
+            moved.append(timed)
         if len(moved) >= frames or perf_counter() - begun > seconds:
             break
     work = own_work(run.replay)
     stored = 1e-6 * (work["matrix"] + work["preconditioner"])
     found = {"unknowns": first["unknowns"], "elements": first["elements"], "first_ms": first["ms"]}
+    found["first_cpu_ms"] = first["cpu_ms"]
     found |= {"peak_mb": peak_mb(), "base_mb": base, "stored_mb": stored, "frames": len(moved)}
     if moved:
         found |= {
             "ms": median(row["ms"] for row in moved),
+            "cpu_ms": median(row["cpu_ms"] for row in moved),
             "iterations": mean(row["iterations"] for row in moved),
             "refreshes": int(sum(row["pc_rebuilt"] for row in moved)),
             "levels": [int(row["level"]) for row in moved],

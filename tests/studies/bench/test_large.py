@@ -16,7 +16,8 @@ def of_case(name, tmp_path, command, unknowns=1000):
         assert words in done.stdout
     found = json.loads((tmp_path / "a.json").read_text())[name]
     for one in found["policies"].values():
-        assert one["unknowns"] == pytest.approx(unknowns, rel=0.5) and one["ms"] > 0.0 and one["stored_mb"] > 0.0
+        assert one["unknowns"] == pytest.approx(unknowns, rel=0.5) and one["stored_mb"] > 0.0
+        assert one["ms"] > 0.0 and one["cpu_ms"] > 0.0 and one["first_cpu_ms"] > 0.0
     return found["policies"]
 
 
@@ -25,8 +26,8 @@ def of_case(name, tmp_path, command, unknowns=1000):
 def test_a_shape_in_the_plane(tmp_path, command):
     found = of_case("plane", tmp_path, command)
     assert list(found) == ["auto", "refactor", "rebuild", "predicted"]
-    assert (found["auto"]["frames"], found["rebuild"]["frames"]) == (50, 5)
-    assert found["auto"]["refreshes"] < 10 and found["refactor"]["refreshes"] == 5
+    assert (found["auto"]["frames"], found["rebuild"]["frames"]) == (50, 3)
+    assert found["auto"]["refreshes"] < 10 and found["refactor"]["refreshes"] == 3
     assert set(found["rebuild"]["levels"]) == {3} and found["predicted"]["iterations"] == 0.0
 
 
@@ -47,10 +48,10 @@ def test_bad_input_of_large(command, words, said):
 
 
 def test_ratios_are_of_what_came_to_an_end():
-    assert ratios({"auto": {"ms": 2.0}, "refactor": {"ms": 8.0}, "rebuild": {"problem": "stopped"}}) == {
-        "refactor": 4.0
-    }
-    assert ratios({"auto": {"problem": "stopped"}, "refactor": {"ms": 8.0}}) == {}
+    """Of processor time, which does not hang on what else runs."""
+    auto, refactor = {"ms": 9.0, "cpu_ms": 2.0}, {"ms": 9.0, "cpu_ms": 8.0}
+    assert ratios({"auto": auto, "refactor": refactor, "rebuild": {"problem": "stopped"}}) == {"refactor": 4.0}
+    assert ratios({"auto": {"problem": "stopped"}, "refactor": refactor}) == {}
 
 
 def test_a_case_without_a_first_frame_says_why(tmp_path):
