@@ -154,7 +154,7 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
 
     Returns: unknowns, elements; first_ms, first_cpu_ms (of the processor, which other work takes no part of); frames
         that moved, ms and cpu_ms (p50), iterations (mean), refreshes, levels (each frame's), preconditioner; peak_mb,
-        base_mb (libraries), stored_mb (matrices and preconditioner).
+        base_mb (libraries), stored_mb (matrices and preconditioner, the most after any frame).
 
     Raises:
         UserError: the first shape has no solution.
@@ -163,17 +163,18 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
     run = Run(replace(request, measured="residual"), summed=False)
     first: Row = {}
     moved: list[Row] = []
-    last = process_time()
+    last, stored = process_time(), 0.0
     for row in run.rows():
-        last, since = process_time(), last
-        timed = dict(row) | {"cpu_ms": 1e3 * (last - since)}
+        timed = dict(row) | {"cpu_ms": 1e3 * (process_time() - last)}
+        if not first or row["pc_rebuilt"]:
+            stored = max(stored, stored_mb(run))
         first = first or timed
         if row["index"] and (row["level"] or row["predicted"]) and not row["refused"]:
             moved.append(timed)
         if len(moved) >= frames or perf_counter() - begun > seconds:
             break
-    work = own_work(run.replay)
-    stored = 1e-6 * (work["matrix"] + work["preconditioner"])
+        last = process_time()
+    stored = max(stored, stored_mb(run))
     found = {"unknowns": first["unknowns"], "elements": first["elements"], "first_ms": first["ms"]}
     found["first_cpu_ms"] = first["cpu_ms"]
     found |= {"peak_mb": peak_mb(), "base_mb": base, "stored_mb": stored, "frames": len(moved)}
@@ -187,3 +188,9 @@ def measure(request: Request, frames: int, seconds: float) -> Row:
             "preconditioner": moved[-1]["preconditioner"],
         }
     return found
+
+
+def stored_mb(run: Run) -> float:
+    """What matrices and preconditioner of a run take [MB]."""
+    work = own_work(run.replay)
+    return 1e-6 * (work["matrix"] + work["preconditioner"])
