@@ -19,7 +19,7 @@ import numpy as np
 from restshape_apps.flow import application
 from restshape_studies.stability.scenery import make_run, set_value, write_script
 
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.mesh.transfer import Transfer
 from restshape.physics.flow.carry import Carrier, VelocityCorrection
 

@@ -21,9 +21,9 @@ from petsc4py import PETSc
 
 import restshape
 from restshape import Run, _kernels
-from restshape.algebra.candidates import FLOW_IN_TIME
-from restshape.algebra.counted_work import EVENTS, counted_seconds
 from restshape.algebra.krylov_method import set_krylov, solve_from
+from restshape.algebra.reuse.candidates import FLOW_IN_TIME
+from restshape.algebra.reuse.counted_work import EVENTS, counted_seconds
 from restshape.replay.event_counts import EventCounts, begin_log
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 
 BALL = {"sphere": {"center": [0.5, 0.5, -0.5], "radius": 0.3}, "friction": 0.3}
 COLUMNS = {

@@ -10,8 +10,8 @@ from restshape_studies.explain.filled import stored
 from slepc4py import SLEPc
 
 from restshape import _kernels
-from restshape.algebra.counted_work import counted_seconds
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.reuse.counted_work import counted_seconds
 from restshape.algebra.stages import LOGGED, log_stage
 from restshape.application import application_of
 from restshape.calibration import Calibration

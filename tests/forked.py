@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import IO, Any
 
-RECORDER = "restshape.replay.recorder_process"
+RECORDER = "restshape.replay.recording.recorder_process"
 COMMANDS = ["restshape.cli.check", "restshape.cli.replay", "restshape.cli.start_notes", "h5py"]
 EXAMPLES = ["restshape_studies.stability.strategies", "scipy.sparse.linalg"]
 IMPORTED = [RECORDER, *COMMANDS, *EXAMPLES]
@@ -168,7 +168,7 @@ def _detached(duplicate: Any) -> int:
 
 
 def _record(descriptors: Sequence[int], cores: str, environment: dict[str, str]) -> None:
-    from restshape.replay.recorder_process import main
+    from restshape.replay.recording.recorder_process import main
 
     _begin(environment, [os.devnull, os.devnull])
     os.setsid()
@@ -208,7 +208,7 @@ def examples_forked() -> Iterator[None]:
 @contextmanager
 def recorders_forked() -> Iterator[None]:
     """Within, processes that write recordings are forked; their own tests start real ones."""
-    from restshape.replay import recorder_start
+    from restshape.replay.recording import recorder_start
 
     with _standing_in(recorder_start, ForkedRecorder):
         yield

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial import Delaunay
 
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 
 COLUMNS = {
     "index": "i4",

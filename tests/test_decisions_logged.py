@@ -9,12 +9,12 @@ from modal import replay as replay_modes
 from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
-from restshape.algebra.candidates import CHOLESKY, GAMG
-from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.prices import Size
+from restshape.algebra.reuse.candidates import CHOLESKY, GAMG
+from restshape.algebra.reuse.choice import Choice
+from restshape.algebra.reuse.prices import Size
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 MESH = re.compile(r"^ *(\d+) Mesh level (\d): (.+)$")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from restshape.algebra.schedule import Schedule
+from restshape.algebra.reuse.schedule import Schedule
 
 
 def best_schedule(refresh, frame, window=math.inf, slack=math.inf, looked=None):

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(what, f"--width {args.width}", "--show strain --width 2000")
     from restshape_apps.couture.picture import draw, draw_beside_pattern
 
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
     try:
         with Recording(args.recording) as recording:

@@ -9,7 +9,7 @@ from restshape.errors import UserError
 from restshape.physics.cloth.pictures.drape import drape_scenery, shows_cloth
 from restshape.physics.cloth.pictures.drape_frames import draw_drape_frames
 from restshape.physics.cloth.pictures.pattern_beside_drape import WIDTH, draw_beside
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 
 def draw(recording: Recording, frames: Sequence[int], path: Path) -> None:

@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     from restshape_apps.metallophone.pitches_picture import draw_pitches, pitches_of
 
     from restshape.cli.report import refuse_damage
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
     with Recording(args.recording) as recording:
         if not recording.n or "f_1" not in recording.table:

@@ -15,7 +15,7 @@ from matplotlib.tri import Triangulation
 from restshape.analysis.modal.pitch import A4, frequency_of, note, tuned
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import length_unit
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.fitted_title import fitted
 from restshape.report.outlines import border, chains
 from restshape.report.style import FAINT, INK, LEVELS, SIGNED, new_figure

@@ -18,7 +18,7 @@ from restshape_studies.accuracy.sampling import changing, spread
 from restshape_studies.accuracy.setting import scale_of
 from restshape_studies.accuracy.state import Sampled, State, state_of
 
-from restshape.algebra.gathering import clean_up
+from restshape.algebra.factors.gathering import clean_up
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame

@@ -10,8 +10,8 @@ from petsc4py import PETSc
 from restshape_studies.bench.eigensolvers import Frame, Rival, rivals
 from restshape_studies.bench.job import Row
 
-from restshape.algebra.eigen import SPARE, EigenSolver
-from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.eigenproblems.eigen import SPARE, EigenSolver
+from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.errors import ReplayProblem, UserError

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.davidson import Found
-from restshape.algebra.krylov_schur import KeptFactor, krylov_schur, refine_ritz
-from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.eigenproblems.davidson import Found
+from restshape.algebra.eigenproblems.krylov_schur import KeptFactor, krylov_schur, refine_ritz
+from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
 from restshape.errors import ReplayProblem
 
 MOST = 200

@@ -327,7 +327,7 @@ def write_csv(path: Path | None, records: list[dict[str, Any]]) -> None:
     """
     from restshape_studies.accuracy.kept_points import COLUMNS
 
-    from restshape.replay.row_table import table_of_rows
+    from restshape.replay.recording.row_table import table_of_rows
 
     with table_of_rows(path, list(COLUMNS), PointsFile) as write:
         for record in records if write else ():

@@ -12,8 +12,8 @@ from restshape_studies.explain.filled import of_kernels
 from restshape_studies.explain.price import BY_STEP, OVERLAP, PARTS, Counts, Prices, prices, widest
 from restshape_studies.explain.variants import REQUIRED, variants
 
-from restshape.algebra.choice import Choice
-from restshape.algebra.prices import Size
+from restshape.algebra.reuse.choice import Choice
+from restshape.algebra.reuse.prices import Size
 from restshape.application import Application
 from restshape.calibration import Calibration
 from restshape.errors import UserError

@@ -10,7 +10,7 @@ from typing import Any
 from restshape_studies.stability.example import EDITS, ONTO, RECORDING, SCENE, SUMMARY, TABLE, Example
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 
 def command_problem(folder: Path, example: Example, message: str, frames: int, refused: int) -> str:

@@ -8,11 +8,11 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra import interior_factor, shared_factor
-from restshape.algebra.buckling_solver import BucklingSolver
-from restshape.algebra.eigen import EigenSolver
-from restshape.algebra.interior_factor import MumpsInterior, PlainInterior
-from restshape.algebra.shared_factor import SharedFactor
+from restshape.algebra.eigenproblems.buckling_solver import BucklingSolver
+from restshape.algebra.eigenproblems.eigen import EigenSolver
+from restshape.algebra.factors import interior_factor, shared_factor
+from restshape.algebra.factors.interior_factor import MumpsInterior, PlainInterior
+from restshape.algebra.factors.shared_factor import SharedFactor
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem

@@ -8,8 +8,8 @@ from petsc4py import PETSc
 from stokes import Stokes, flow
 
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.analysis.static.linear_system import LinearSystem
 from restshape.calibration import Calibration
 from restshape.fem.assembled import Assembled

@@ -7,11 +7,11 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
+from restshape.algebra.factors.shared_factor import SharedFactor
+from restshape.algebra.factors.shared_solves import set_shared_factor
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.shared_factor import SharedFactor
-from restshape.algebra.shared_solves import set_shared_factor
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 

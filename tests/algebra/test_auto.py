@@ -9,15 +9,15 @@ from petsc4py import PETSc
 from small_scenes import across, drag, make_replay, plate, rows_of, write_scene, write_script
 
 from restshape import _kernels, measurement
-from restshape.algebra.candidates import CHOLESKY, GAMG, ICC, ILU
-from restshape.algebra.choice import Choice
-from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
-from restshape.algebra.prices import Size, prices
 from restshape.algebra.projection import Projection
+from restshape.algebra.reuse.candidates import CHOLESKY, GAMG, ICC, ILU
+from restshape.algebra.reuse.choice import Choice
+from restshape.algebra.reuse.kept_preconditioner import KeptPreconditioner
+from restshape.algebra.reuse.prices import Size, prices
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import LOGGED, Stages, log_stage
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 

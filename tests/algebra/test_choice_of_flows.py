@@ -6,8 +6,8 @@ import pytest
 from restshape_studies.stability.scenery import across, drag, make_replay, write_scene, write_script
 from restshape_verification.flow.scenes import STEADY, channel, disc, in_time
 
-from restshape.algebra.candidates import STEADY_FLOW
-from restshape.algebra.counted_work import EVENTS, counted_seconds
+from restshape.algebra.reuse.candidates import STEADY_FLOW
+from restshape.algebra.reuse.counted_work import EVENTS, counted_seconds
 from restshape.replay.event_counts import EventCounts, begin_log
 
 BODY = channel(3, 1, "rho = 1.5\nmu = 0.1\n", holes=disc("body", (1, 0.5), 0.15))

@@ -4,9 +4,9 @@ import pytest
 from petsc4py import PETSc
 from small_scenes import make_replay, plate, rows_of, write_scene
 
-from restshape.algebra.candidates import CHOLESKY, ICC
-from restshape.algebra.choice import Choice
-from restshape.algebra.prices import ROW, Size, prices
+from restshape.algebra.reuse.candidates import CHOLESKY, ICC
+from restshape.algebra.reuse.choice import Choice
+from restshape.algebra.reuse.prices import ROW, Size, prices
 from restshape.calibration import Calibration
 
 

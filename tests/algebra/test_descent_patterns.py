@@ -5,7 +5,7 @@ import pytest
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.descent import Descent
+from restshape.algebra.nonlinear.descent import Descent
 
 
 class Quartic:

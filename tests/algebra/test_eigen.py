@@ -6,13 +6,13 @@ from modal import solved
 from petsc4py import PETSc
 from scipy.linalg import eigh
 
-from restshape.algebra import eigen
-from restshape.algebra.davidson import SearchSpace, davidson
-from restshape.algebra.eigen import EigenSolver
-from restshape.algebra.inverse_iteration import inverse_iteration
-from restshape.algebra.krylov_schur import krylov_schur
-from restshape.algebra.pencil import Deflation, Pencil
-from restshape.algebra.spectrum import gap
+from restshape.algebra.eigenproblems import eigen
+from restshape.algebra.eigenproblems.davidson import SearchSpace, davidson
+from restshape.algebra.eigenproblems.eigen import EigenSolver
+from restshape.algebra.eigenproblems.inverse_iteration import inverse_iteration
+from restshape.algebra.eigenproblems.krylov_schur import krylov_schur
+from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
+from restshape.algebra.eigenproblems.spectrum import gap
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem

@@ -2,7 +2,7 @@
 
 import pytest
 
-from restshape.algebra.forcing_terms import ModelError
+from restshape.algebra.nonlinear.forcing_terms import ModelError
 
 
 def test_a_step_reports_its_forcing_term():

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from restshape.algebra.interior_factor import InteriorFactor, MumpsInterior, PlainInterior, has_mumps
-from restshape.algebra.node_factors import BorderedFactor
+from restshape.algebra.factors.interior_factor import InteriorFactor, MumpsInterior, PlainInterior, has_mumps
+from restshape.algebra.factors.node_factors import BorderedFactor
 
 SIDE = 50
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from restshape.algebra.descent import Descent
-from restshape.algebra.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.nonlinear.descent import Descent
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping, Steps
 from restshape.errors import ReplayProblem
 
 N = 8

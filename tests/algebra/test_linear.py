@@ -9,11 +9,11 @@ from petsc4py import PETSc
 from scipy.sparse.linalg import spilu, splu
 from small_scenes import across, drag, make_replay, plate, write_scene, write_script
 
-from restshape.algebra.gathering import GatheredSystem
+from restshape.algebra.factors.gathering import GatheredSystem
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import true_residual
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 

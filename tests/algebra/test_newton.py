@@ -5,10 +5,10 @@ import pytest
 from petsc4py import PETSc
 
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import INDEFINITE, MOST_SEARCHED
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import INDEFINITE, MOST_SEARCHED
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 COUPLED = np.array([[2.0, 1.0, 0.0], [0.5, 3.0, -1.0], [0.0, 1.0, 2.0]])

@@ -5,7 +5,7 @@ import pytest
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
 from restshape.algebra.operator import Operator
 
 X = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.4, 0.45]], dtype=float)

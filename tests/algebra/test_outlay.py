@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from restshape.algebra.candidates import CHOLESKY
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.outlay import FEW, Outlay, Rival
-from restshape.algebra.prices import Size
+from restshape.algebra.reuse.candidates import CHOLESKY
+from restshape.algebra.reuse.outlay import FEW, Outlay, Rival
+from restshape.algebra.reuse.prices import Size
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.replay.loop import Replay
 from restshape.replay.request import Request

@@ -8,11 +8,11 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra import kept_preconditioner
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.preconditioner import order_factor
+from restshape.algebra.reuse import kept_preconditioner
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+from restshape.algebra.factors.pivots import negative_pivots, zero_pivots
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.pivots import negative_pivots, zero_pivots
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 SIZE = 40

@@ -8,10 +8,10 @@ import pytest
 from counted_replays import begin_log, watched
 from whole_schedules import best_schedule
 
-from restshape.algebra import kept_preconditioner
-from restshape.algebra.kept_preconditioner import KeptPreconditioner
-from restshape.algebra.prices import Prices
-from restshape.algebra.refresh import MOST_AHEAD, RefreshCriterion
+from restshape.algebra.reuse import kept_preconditioner
+from restshape.algebra.reuse.kept_preconditioner import KeptPreconditioner
+from restshape.algebra.reuse.prices import Prices
+from restshape.algebra.reuse.refresh import MOST_AHEAD, RefreshCriterion
 
 APPS = Path(__file__).parents[2] / "apps"
 MOST = 10_000

@@ -6,7 +6,7 @@ from petsc4py import PETSc
 
 from restshape import _kernels
 from restshape.algebra.nodal import NodalVectors
-from restshape.algebra.step_solver import StepSolver
+from restshape.algebra.nonlinear.step_solver import StepSolver
 
 NODES, FIELDS = 60, 3
 N = NODES * FIELDS

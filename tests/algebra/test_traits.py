@@ -5,12 +5,12 @@ import pytest
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from restshape.algebra.candidates import PLANE, SPACE, candidates
-from restshape.algebra.choice import Choice
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.prices import Size
+from restshape.algebra.reuse.candidates import PLANE, SPACE, candidates
+from restshape.algebra.reuse.choice import Choice
+from restshape.algebra.reuse.prices import Size
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 
 

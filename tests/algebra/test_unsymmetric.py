@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from restshape.algebra.candidates import FLOW_IN_TIME, STEADY_FLOW, candidates
-from restshape.algebra.choice import LESS, PATIENCE, Choice
 from restshape.algebra.krylov_method import set_krylov, solve_from
 from restshape.algebra.linear import METHODS, NO_EXCHANGED, LinearSolver
-from restshape.algebra.prices import Size
-from restshape.algebra.refresh import RefreshCriterion
+from restshape.algebra.reuse.candidates import FLOW_IN_TIME, STEADY_FLOW, candidates
+from restshape.algebra.reuse.choice import LESS, PATIENCE, Choice
+from restshape.algebra.reuse.prices import Size
+from restshape.algebra.reuse.refresh import RefreshCriterion
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
 

@@ -9,7 +9,7 @@ import pytest
 from restshape_studies.stability.scenery import make_replay, write_scene
 from restshape_verification.flow.scenes import STEADY, channel, disc
 
-from restshape.algebra.candidates import STEADY_FLOW
+from restshape.algebra.reuse.candidates import STEADY_FLOW
 
 BODY = channel(3, 1, "rho = 1.5\nmu = 0.1\n", holes=disc("body", (1, 0.5), 0.15))
 TEXT = BODY + STEADY + '[mesh]\nsize = 0.12\n[quantities]\ndrag = { drag = true, at = "body" }\n'

@@ -7,7 +7,7 @@ from pathlib import Path
 from petsc4py import PETSc
 from restshape_studies.stability.scenery import make_replay
 
-from restshape.algebra.candidates import STEADY_FLOW
+from restshape.algebra.reuse.candidates import STEADY_FLOW
 
 WORLD = PETSc.COMM_WORLD
 

@@ -9,7 +9,7 @@ import pytest
 from cloths import BALL, CONTACT, PIN, cloth, write_cloth
 from petsc4py import PETSc
 
-from restshape.algebra.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame

@@ -13,7 +13,7 @@ from scipy.integrate import solve_bvp
 from scipy.special import ellipe, ellipk
 from small_scenes import make_replay, rows_of, write_scene, write_script
 
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.analysis.static.load_stepping import SEARCHED, SHORTEST, step_load
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame

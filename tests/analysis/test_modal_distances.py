@@ -5,7 +5,7 @@ import pytest
 from modal import SMALL, solved
 from scipy.linalg import eigh
 
-from restshape.algebra.davidson import Found
+from restshape.algebra.eigenproblems.davidson import Found
 
 
 @pytest.mark.slow

@@ -21,7 +21,7 @@ from small_scenes import (
     write_script,
 )
 
-from restshape.algebra import condensation
+from restshape.algebra.factors import condensation
 from restshape.analysis.static import border_quantities
 from restshape.errors import ReplayProblem
 from restshape.fem.derivative import Derivative, Differentiable

@@ -15,7 +15,7 @@ from small_scenes import drag, plate, write_scene, write_script
 from restshape import bounds
 from restshape.errors import UserError
 from restshape.mesh import importer
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene import units
 
 ROOT = Path(__file__).parents[2]
@@ -266,7 +266,7 @@ def test_memory_that_grows_ends_a_run(outside):
 def test_frames_before_the_limit_are_in_the_recording(outside, tmp_path):
     before = f"""
 import numpy as np
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 recorder = Recorder.start({str(tmp_path / "x.vtkhdf")!r}, {{"a": 1}}, {{"t": "f8"}})
 recorder.topology(np.array([[0, 1, 2]]))
 for t in range(5):

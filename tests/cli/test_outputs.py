@@ -22,8 +22,8 @@ from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import JsonFile, OutputFile, PictureFile, RecordingFile, SoundFile, mark_sound
 from restshape.outputs.locks import Lock, Locked
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 
 ROOT = Path(__file__).parents[2]
 FOREIGN = {

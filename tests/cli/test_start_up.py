@@ -13,7 +13,7 @@ from restshape.surroundings import DISCOVERY, LONE, POINT_TO_POINT, start_petsc
 
 BRACKET = Path(__file__).resolve().parents[2] / "docs" / "examples" / "bracket.toml"
 UNNEEDED = ("scipy", "gmsh", "meshio", "matplotlib", "numpy.typing", "h5py", "ezdxf")
-UNNEEDED += ("slepc4py", "multiprocessing", "asyncio", "http", "restshape.replay.vtkhdf", "rich")
+UNNEEDED += ("slepc4py", "multiprocessing", "asyncio", "http", "restshape.replay.recording.vtkhdf", "rich")
 
 
 @pytest.fixture

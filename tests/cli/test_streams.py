@@ -13,7 +13,7 @@ from small_scenes import drag, plate, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.cli.signals import ending_signals, exit_code, interrupt_if_asked
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 FRAMES = 6_000
 
@@ -164,7 +164,7 @@ def test_a_signal_that_was_swallowed_still_ends_a_command():
 
 
 def test_the_recorder_stays_on_the_cores_of_its_parent(tmp_path, monkeypatch):
-    from restshape.replay.recorder import Recorder
+    from restshape.replay.recording.recorder import Recorder
 
     for name in [name for name in os.environ if name.startswith(("OMPI_", "PMIX_", "PMI_"))]:
         monkeypatch.delenv(name)

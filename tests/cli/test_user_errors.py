@@ -12,7 +12,7 @@ from restshape.cli.options import refuse_overwriting
 from restshape.errors import UserError
 from restshape.outputs.kinds import CsvFile
 from restshape.replay.petsc_options import without_effect
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 DATA = Path(__file__).parents[1] / "data"
 

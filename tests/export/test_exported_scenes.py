@@ -13,7 +13,7 @@ from restshape.errors import UserError
 from restshape.export import toml_scene
 from restshape.export.edited_frame import frame_of_script
 from restshape.export.toml_scene import write_toml
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene

@@ -15,7 +15,7 @@ from restshape.export.formats import write_mesh
 from restshape.export.frame_mesh import FrameMesh
 from restshape.export.stl_surface import surface
 from restshape.mesh.importer import read_mesh
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 ROW = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 FAR = [(0.55, 0.5), (2.0, 0.5), (0.6, 0.5)]

@@ -12,7 +12,7 @@ from PIL import Image
 
 import restshape
 from restshape.outputs.si_numbers import si
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.scenery import scenery
 

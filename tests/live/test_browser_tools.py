@@ -8,7 +8,7 @@ import pytest
 from browser import rest
 
 from restshape.live.link import ENDED_BY_HAND
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 ROUND = "hole"
 

@@ -13,7 +13,7 @@ from restshape.live.json_text import json_bytes
 from restshape.live.link import Link
 from restshape.live.recording_player import RecordingPlayer
 from restshape.live.recording_session import RecordingSession
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 EVENTS = [
     {"do": "press", "on": "window", "at": [0.09, 0.062]},

@@ -12,7 +12,7 @@ from live_worker import BRACKET, COARSE, LocalSession, bracket, cut, remote_sess
 import restshape
 from restshape.live import welcome
 from restshape.replay.loop import Replay
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from restshape.cli import console, doubtful
 from restshape.cli.doubtful import print_doubtful
 from restshape.cli.main import main
 from restshape.physics.cloth.trust import penetration_notes
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 STRIP = f"""
 {HEAD}[shape]

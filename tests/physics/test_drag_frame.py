@@ -8,7 +8,7 @@ import pytest
 from cloths import CONTACT, write_cloth
 from petsc4py import PETSc
 
-from restshape.algebra.tries import Tries
+from restshape.algebra.reuse.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.contact.tunnelling import penetrations

@@ -18,8 +18,8 @@ from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.physics.cloth.pictures.drape import bodies, drape_scenery, places, shows_cloth
 from restshape.physics.cloth.pictures.drape_frames import _caption, convergence_words, draw_drape_frames
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.report import space_scene
 from restshape.report.camera import Camera
 from restshape.report.space_axes import marks

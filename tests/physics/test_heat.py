@@ -9,7 +9,7 @@ from restshape_studies.stability.scenery import across, drag, make_replay, rows_
 from restshape_studies.validation.norms import errors
 from thermal_scenes import ANNULUS, COOLING, HEAD, MANUFACTURED, SQUARE, solved, steady
 
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.analysis.frame import Frame
 from restshape.errors import UserError
 from restshape.fem.elements import OSEEN

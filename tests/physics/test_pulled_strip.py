@@ -8,7 +8,7 @@ from petsc4py import PETSc
 from small_scenes import block, head, make_replay, write_scene, write_script
 
 from restshape import _kernels
-from restshape.algebra.tries import Tries
+from restshape.algebra.reuse.tries import Tries
 from restshape.application import application
 from restshape.calibration import Calibration
 from restshape.physics.cloth.contact.contact import Contact

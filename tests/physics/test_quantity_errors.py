@@ -22,8 +22,8 @@ from restshape.interface.first_frame import first_frame
 from restshape.mesh.enriched_space import EnrichedSpace
 from restshape.replay.columns import columns_of
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.replay.summary import summarise
 from restshape.scene.load import load_scene
 

@@ -10,7 +10,7 @@ from restshape_studies.stability.scenery import across, drag, make_replay, rows_
 from thermal_scenes import COOLING, MANUFACTURED
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frames import caption
 from restshape.report.scenery import scenery
 

@@ -8,7 +8,7 @@ import time
 
 import numpy as np
 
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 
 
 def main(path: str, pause: float) -> None:

@@ -11,8 +11,8 @@ from small_scenes import across, drag, make_replay, rows_of, write_scene, write_
 from restshape.application import application
 from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 
 HOLE = "\n[shape.holes.window]\ncircle = { center = [0.4, 0.15], radius = 0.05 }\n"
 WIDE = column(FOOT, PUSHED.format(1e6), height=0.3, size=0.06).replace("\n[material", HOLE + "\n[material", 1)

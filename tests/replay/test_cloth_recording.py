@@ -9,7 +9,7 @@ from small_scenes import block
 
 from restshape.cli.main import main
 from restshape.physics.cloth.contact.body_columns import body_columns, body_row, recorded_bodies
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.bodies import Body
 
 SCENE = f"""

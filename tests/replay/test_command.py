@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from small_scenes import drag, plate, write_scene, write_script
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 EVENTS = [
     *drag("window", (0.5, 0.5), [(0.52, 0.5), (0.54, 0.5), (9.0, 9.0), (0.56, 0.5)]),

@@ -11,8 +11,8 @@ from plates import record_plate
 
 from restshape.errors import UserError, printable
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.good_frames import salvage
-from restshape.replay.recording import Recording, ranges
+from restshape.replay.recording.good_frames import salvage
+from restshape.replay.recording.recording import Recording, ranges
 from restshape.report.scenery import goals_of
 from restshape.report.style import new_figure
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from small_scenes import across, drag, plate, write_scene, write_script
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 EVENTS = [
     *drag("window", (0.5, 0.5), across((0.5, 0.5), (1.4, 0.52), 50)),

@@ -12,8 +12,8 @@ from small_scenes import across, drag, make_replay, plate, rows_of, write_scene,
 from restshape.analysis.correction import largest_values
 from restshape.application import application
 from restshape.replay.columns import ESTIMATES, columns_of
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.replay.summary import summarise
 from restshape.report.tables import estimate_table
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from small_scenes import across, drag, plate, write_scene, write_script
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 PROGRAM = str(Path(__file__).with_name("failing_rank_program.py"))
 

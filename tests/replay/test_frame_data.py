@@ -11,8 +11,8 @@ from vibrating import SHAKEN, dynamics, tower
 from restshape import __version__
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.frame_data import STATUSES
-from restshape.replay.recording import Recording
+from restshape.replay.recording.frame_data import STATUSES
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 
 LIMITED = '\n[quantities]\nsag = { displacement = "x", reduce = "max", max = 0.1 }\n'

@@ -11,7 +11,7 @@ import pytest
 from small_scenes import drag, plate, write_scene, write_script
 
 from restshape.outputs.si_numbers import counted
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 FRAMES = 5_000
 
@@ -55,7 +55,7 @@ def children(parent):
 
 def recorders(parent):
     """The recorder processes that a process has started."""
-    named = b"restshape.replay.recorder_process"
+    named = b"restshape.replay.recording.recorder_process"
 
     def writes(child):
         folder = Path(f"/proc/{child}")

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from restshape.errors import UserError
-from restshape.replay import journal
-from restshape.replay.recording import Recording
-from restshape.replay.vtkhdf import RecordedFrame, Topology, VtkHdfWriter
+from restshape.replay.recording.recording import Recording, journal
+from restshape.replay.recording.vtkhdf import RecordedFrame, Topology, VtkHdfWriter
 
 ROW = np.dtype([("index", "i8"), ("t", "f8"), ("area", "f8")])
 BATCHES = (3, 40, 61, 30)
@@ -94,7 +93,7 @@ def test_killed_at_any_write(tmp_path, monkeypatch):
 def test_without_the_journal_most_kills_within_a_commit_lose_the_recording(tmp_path, monkeypatch):
     """What the journal is for: the same files, not finished."""
     disk = recorded(tmp_path / "a.vtkhdf", monkeypatch)
-    monkeypatch.setattr("restshape.replay.recording.finish_journal", lambda path: None)
+    monkeypatch.setattr("restshape.replay.recording.recording.finish_journal", lambda path: None)
     lost = 0
     for image, safe, _ in disk.images(every=5):
         killed = tmp_path / "killed.vtkhdf"
@@ -140,7 +139,7 @@ def test_a_journal_that_may_not_be_finished(unfinished, monkeypatch):
 
 
 def test_a_journal_of_a_living_writer_is_left_alone(unfinished, monkeypatch):
-    monkeypatch.setattr("restshape.replay.recording._ATTEMPTS", 2)
+    monkeypatch.setattr("restshape.replay.recording.recording._ATTEMPTS", 2)
     before = unfinished.read_bytes()
     with unfinished.open("rb") as writer:
         journal.lock(writer.fileno())

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 pytestmark = pytest.mark.cli
 

@@ -8,8 +8,8 @@ from restshape.application import application
 from restshape.errors import ReplayProblem, UserError
 from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 
 

@@ -21,8 +21,8 @@ from restshape.mesh.quality import areas
 from restshape.replay.columns import columns_of
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN, Limit
 from restshape.replay.mesh_jumps import OTHER_EDGES, MeshJumps
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.replay.summary import summarise
 from restshape.replay.uncertain_limits import UncertainLimits
 from restshape.report.quantity_panels import draw_quantities

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 from small_scenes import CLAMPED, HEAD, STEEL, block, meshed, write_scene, write_script
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.happenings import utilisations, worst_frame
 from restshape.report.quantity_panels import draw_limits
 from restshape.report.recorded_quantities import limit_series

@@ -9,7 +9,7 @@ from old_recordings import SCENE, make_old
 
 from restshape.cli.main import main
 from restshape.replay.columns import ALIASES, renamed
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.recorded_quantities import limits_of
 
 PLANE = SCENE + 'far = { displacement = "x", at = "right", reduce = "mean", max = "1 mm", min = -2e-3 }\n'

@@ -12,7 +12,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.replays import replay_files
 from restshape.replay.constraints import Limit, constraint_status, violated_constraints
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 
 REST = """

@@ -8,7 +8,7 @@ import pytest
 from parametric_scenes import BRACKET, PLATE, write_scene
 
 from restshape.export.toml_scene import toml_text
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.goal_curves import goals_of
 from restshape.scene.given_numbers import given_numbers
 from restshape.scene.load import load_scene

@@ -12,8 +12,8 @@ from restshape.errors import UserError
 from restshape.replay import predicted_frames
 from restshape.replay.columns import columns_of
 from restshape.replay.parity import Parity
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 
 SHORT = drag("window", (0.5, 0.5), across((0.5, 0.5), (0.54, 0.53), 8))

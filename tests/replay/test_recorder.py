@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from restshape.errors import UserError
-from restshape.replay.recorder import Recorder
-from restshape.replay.recorder_start import begun
-from restshape.replay.recording import Recording
-from restshape.replay.rows import encode_text, row_dtype
-from restshape.replay.vtkhdf import NoRoom, VtkHdfWriter
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recorder_start import begun
+from restshape.replay.recording.recording import Recording
+from restshape.replay.recording.rows import encode_text, row_dtype
+from restshape.replay.recording.vtkhdf import NoRoom, VtkHdfWriter
 
 CELLS = np.array([[0, 1, 2]], dtype=np.int32)
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
@@ -34,20 +34,21 @@ def broken_pipes_are_errors():
 @pytest.fixture(autouse=True)
 def real_processes(monkeypatch):
     """Not forked ones, as in other tests."""
-    monkeypatch.setattr("restshape.replay.recorder_start.subprocess", subprocess)
+    monkeypatch.setattr("restshape.replay.recording.recorder_start.subprocess", subprocess)
 
 
 @pytest.mark.cli
 def test_the_process_imports_no_scenes_nor_what_reads_them():
     """It is ready before PETSc has started."""
-    code = "import sys, restshape.replay.recorder_process; print(*sys.modules)"
+    code = "import sys, restshape.replay.recording.recorder_process; print(*sys.modules)"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "h5py" in found and not {"pydantic", "restshape.scene", "petsc4py", "mpi4py"} & set(found)
 
 
 @pytest.mark.cli
 def test_it_imports_neither_mpi_nor_petsc_nor_hdf5():
-    code = "import sys, restshape.replay.recorder; print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
+    loaded = "print({'petsc4py', 'mpi4py', 'h5py'} & set(sys.modules) or 'none')"
+    code = f"import sys, restshape.replay.recording.recorder; {loaded}"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "none\n"
 
 
@@ -110,7 +111,7 @@ def test_fields_that_do_not_fit_the_mesh_are_refused(tmp_path, fields, message):
 
 @pytest.mark.slow
 def test_frames_larger_than_the_ring_and_a_full_ring(tmp_path, monkeypatch):
-    monkeypatch.setattr("restshape.replay.recorder.RING_BYTES", 1 << 20)
+    monkeypatch.setattr("restshape.replay.recording.recorder.RING_BYTES", 1 << 20)
     rng = np.random.default_rng(0)
     known = [rng.random((n, 2)) for n in (1000, 1000, 20000, 20000, 5, *([30000] * 40), 70000, 3)]
     with Recorder.start(tmp_path / "a.vtkhdf", {}, {"i": "i4"}) as recorder:
@@ -253,8 +254,8 @@ def test_before_large_libraries_the_process_is_a_copy(tmp_path):
     """One with PETSc or HDF5 loaded is not copied: the copy would have theirs."""
     code = (
         "import os, sys\n"
-        "from restshape.replay.recorder import Recorder\n"
-        "from restshape.replay.recorder_start import begun\n"
+        "from restshape.replay.recording.recorder import Recorder\n"
+        "from restshape.replay.recording.recorder_start import begun\n"
         "process = begun()\n"
         "print(type(process.process).__name__)\n"
         "with Recorder.start('a.vtkhdf', {'title': 'copy'}, {}, process=process) as recorder:\n"

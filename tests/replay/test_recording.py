@@ -9,8 +9,8 @@ import pytest
 from plates import record_plate
 
 from restshape.errors import UserError
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +161,7 @@ def test_unknown_fields_and_frames_are_refused(plate):
 
 
 def test_a_recording_that_is_being_written_is_reported(tmp_path, monkeypatch):
-    monkeypatch.setattr("restshape.replay.recording._PAUSE", 0.0)
+    monkeypatch.setattr("restshape.replay.recording.recording._PAUSE", 0.0)
     with Recorder.start(tmp_path / "a.vtkhdf", {}, {}) as recorder:
         recorder.topology(np.array([[0, 1, 2]]))
         recorder.frame(0.0, np.eye(3)[:, :2], {}, {}, {})

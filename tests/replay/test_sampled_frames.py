@@ -15,8 +15,8 @@ from restshape.calibration import Calibration
 from restshape.errors import UserError
 from restshape.replay.columns import SAMPLED, columns_of
 from restshape.replay.parity import Parity
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 from restshape.sensitivity.samples import DragSamples
 

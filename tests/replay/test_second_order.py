@@ -13,8 +13,8 @@ from restshape.application import application
 from restshape.mesh.lagrange_space import LagrangeSpace
 from restshape.replay.columns import columns_of
 from restshape.replay.parity import ENTRIES, Parity
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.report.animation import animated_frames
 from restshape.report.frames import draw_frames
 from restshape.report.scenery import scenery

@@ -7,7 +7,7 @@ import numpy as np
 from cloths import PIN, write_cloth
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.tables import level_table, note_table, with_values
 
 

@@ -12,7 +12,7 @@ from small_scenes import BLOCK, CLAMPED, HEAD, HOLE, PULLED, STEEL, across, drag
 from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.outputs.picture_files import SOURCE
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.scene_overlay import Overlay, follow, rebuilt_frames
 from restshape.report.scenery import scenery
 from restshape.report.survey import known_displacement

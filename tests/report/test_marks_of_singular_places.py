@@ -8,7 +8,7 @@ from small_scenes import HEAD, STEEL, block, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.replay.recorded_places import PLACES_BYTES, decode_places, encode_places
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.singular_notes import MARK
 from restshape.report import quantity_panels
 from restshape.report.drawing import Drawing

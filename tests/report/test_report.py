@@ -18,8 +18,8 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import length_unit, si, three_digits
 from restshape.replay.level_names import LEVEL_NAMES
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.report import quantity_panels, timeline
 from restshape.report.animation import animated_frames
 from restshape.report.frames import LEFT, caption, layout

@@ -16,8 +16,8 @@ from restshape.cli.report_tables import _quantity as report_row
 from restshape.interface.first_frame import first_frame
 from restshape.replay.columns import columns_of, error_column
 from restshape.replay.constraints import Limit, formatted_constraint, violated_constraints
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.replay.request import Request
 from restshape.report.frames import caption
 from restshape.report.happenings import worst_frame

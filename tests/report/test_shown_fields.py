@@ -27,7 +27,7 @@ from small_scenes import (
 from restshape.cli.main import main
 from restshape.cli.quantity_tables import percent
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.singular_notes import marked
 from restshape.report import frames
 from restshape.report.drawing import Drawing

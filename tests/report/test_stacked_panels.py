@@ -9,7 +9,7 @@ import pytest
 from clear_figures import check_figure
 from plates import record_plate
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report import levels, quantity_panels, time_history, timeline
 from restshape.report.animation import _nearest
 from restshape.report.stacked_panels import stack_panels

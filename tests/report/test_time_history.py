@@ -7,8 +7,8 @@ from PIL import Image
 
 from restshape.outputs import picture_files
 from restshape.replay.columns import columns
-from restshape.replay.recorder import Recorder
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.recording import Recording
 from restshape.report import time_history
 from restshape.report.quantity_panels import cut_start
 from restshape.report.style import new_figure

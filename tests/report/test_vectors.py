@@ -12,7 +12,7 @@ from restshape_studies.stability.scenery import drag, write_scene, write_script
 
 from restshape.cli.main import main
 from restshape.cli.report_looks import add_looks, read_looks
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.scenery import scenery
 from restshape.report.vectors import COUNT, LONGEST, VectorSegments

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from modal import SCENES, SMALL, solved
 
-from restshape.algebra.clusters import CLUSTER
+from restshape.algebra.eigenproblems.clusters import CLUSTER
 from restshape.analysis.frame import Frame
 from restshape.interface.first_frame import first_frame
 from restshape.sensitivity.frequency_derivative import (

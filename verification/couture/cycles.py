@@ -17,10 +17,10 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.application import application, application_of
 from restshape.calibration import Calibration
 from restshape.cli.options import add_json, write_json

@@ -12,7 +12,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.kinetic_damping import KineticDamping
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping
 from restshape.algebra.preconditioner import order_factor
 from restshape.arrays import Reals
 from restshape.mesh.nested import Refined

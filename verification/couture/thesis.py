@@ -14,7 +14,7 @@ from restshape_studies.each_week import each_week
 from restshape_verification.couture.step_solvers import Compared, methods, table
 from restshape_verification.couture.thesis_edits import edit_rows
 
-from restshape.algebra.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.stages import Stages
 from restshape.application import application
 from restshape.interface.first_frame import first_frame

@@ -8,7 +8,7 @@ from restshape_studies.validation.case import CLOSED_FORM, IDENTITY, ROUNDING, C
 from restshape_studies.validation.shear_waves import mindlin
 from restshape_verification.metallophone.reference import EDITS, SCENES, solved
 
-from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.eigenproblems.eigen import EigenSolver
 from restshape.algebra.stages import Stages
 from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.analysis.modal.modal_matrices import products

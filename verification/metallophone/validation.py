@@ -13,7 +13,7 @@ from restshape_verification.metallophone.reference import EDITS, SCENES, solved,
 from restshape_verification.metallophone.tuned import tuned_bars
 from restshape_verification.metallophone.validation_rasping import rasping
 
-from restshape.algebra.clusters import CLUSTER
+from restshape.algebra.eigenproblems.clusters import CLUSTER
 from restshape.analysis.modal.modal import ModalAnalysis
 from restshape.interface.replays import replay_files
 from restshape.sensitivity.frequency_derivative import frequency_derivatives, material_derivatives

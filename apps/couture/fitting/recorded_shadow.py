@@ -11,7 +11,7 @@ from restshape.errors import UserError
 from restshape.export.edited_frame import row_of
 from restshape.export.frame_mesh import mesh_of_recording
 from restshape.physics.cloth.drape_shadow import DrapeShadow, ShadowEdge, count_folds
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 NARROW = 0.02
 """Area over that of the flat cloth below which a shadow is none of a drape."""

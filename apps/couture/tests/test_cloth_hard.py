@@ -19,7 +19,7 @@ from restshape_verification.couture.hard_scenes import (
 )
 
 from restshape import _kernels
-from restshape.algebra.descent import Descent
+from restshape.algebra.nonlinear.descent import Descent
 from restshape.application import application
 from restshape.cli.main import main
 from restshape.errors import UserError

@@ -10,7 +10,7 @@ from restshape.cli.main import main
 from restshape.errors import UserError
 from restshape.interface.first_frame import first_frame
 from restshape.physics.cloth.pictures.drape import recorded_surface
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene, revise
 
 pytestmark = pytest.mark.skipif(not _kernels.has_cgal, reason="bodies of triangles need CGAL")

@@ -14,7 +14,7 @@ from restshape.export.frame_mesh import mesh_of_shape
 from restshape.physics.cloth.pictures.drawn_seams import drawn_seams
 from restshape.physics.cloth.pictures.membrane_stretch import grain_angles, stretches
 from restshape.physics.cloth.pictures.pattern_beside_drape import strain_rows
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 from restshape.scene.load import load_scene
 from restshape.shape.build import outline_from_spec
 from restshape.shape.patterns.seam_parts import COLOURS

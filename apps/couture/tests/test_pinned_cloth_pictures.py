@@ -7,7 +7,7 @@ from restshape.application import application
 from restshape.cli.main import main
 from restshape.physics.cloth.pictures.drape import drape_scenery
 from restshape.physics.cloth.pictures.drape_frames import draw_drape_frames
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 PINS = application("couture").folder / "scenes" / "pins.toml"
 

@@ -7,7 +7,7 @@ import pytest
 from read_by_vtk import point_fields
 from restshape_apps.flow import application
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 SCENE = application.folder / "scenes" / "flow.toml"
 

@@ -13,7 +13,7 @@ from restshape_apps.furniture.report.furniture import FOOT, add_utilisation_bar,
 from restshape_apps.furniture.report.piece_frames import FEW, MOST_LINES, caption, pieces, shown_piece
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.animation import even, pause, write_animation
 from restshape.report.space_scene import AMBIENT
 from restshape.report.style import BODY, COLOURS, REFUSED, new_figure

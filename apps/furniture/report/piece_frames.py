@@ -42,8 +42,8 @@ from restshape.errors import UserError
 from restshape.guidance.ranges import Ranges
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import HOLDS, LIMIT
-from restshape.replay.frame_recording import FrameRecording
-from restshape.replay.recording import Recording
+from restshape.replay.recording.frame_recording import FrameRecording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.frames import scene_name
 from restshape.report.style import new_figure

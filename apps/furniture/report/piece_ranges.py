@@ -17,7 +17,7 @@ from restshape_apps.furniture.report.guided import doubt_causes, doubtful, found
 from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT, status_colour
 
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.style import FAINT, INK, REFUSED, new_figure

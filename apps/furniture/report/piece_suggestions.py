@@ -31,7 +31,7 @@ from restshape_apps.furniture.report.status_colour import BEYOND, DOUBT
 from restshape_apps.furniture.session.plank_session import PlankFrame
 
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.style import INK, REFUSED, new_figure
 from restshape.report.tables import rows_of

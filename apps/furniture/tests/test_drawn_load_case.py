@@ -14,7 +14,7 @@ from restshape_apps.furniture.tests.furniture_scenes import EDGE_STOOL, post
 from small_scenes import make_replay
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.style import REFUSED, new_figure
 from restshape.report.tables import row_of
 

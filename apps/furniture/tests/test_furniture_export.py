@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull
 
 from restshape.application import applications
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 

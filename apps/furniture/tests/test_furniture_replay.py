@@ -17,7 +17,7 @@ from small_scenes import make_replay, rows_of
 
 from restshape.application import application
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.load import load_scene
 
 EDITS = SCENES.parent / "edits"

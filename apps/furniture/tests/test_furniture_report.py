@@ -18,7 +18,7 @@ from restshape_apps.furniture.report.status_colour import BEYOND
 
 from restshape.cli.main import main
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.space_scene import SpaceImage
 from restshape.report.style import INK, REFUSED
 from restshape.report.tables import rows_of

@@ -10,7 +10,7 @@ from restshape_apps.furniture.report import piece_frames
 from restshape_apps.furniture.report.status_colour import DOUBT, status_colour
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.tables import rows_of
 
 JOINT = r"holds, but not counted: joint rail on left at (up to )?1\.\d+ of its strength along its line under push edge"

@@ -8,7 +8,7 @@ from furniture_scenes import BENCH, write_bench
 from old_recordings import make_old
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.recorded_quantities import limits_of
 
 QUANTITIES = """

@@ -13,7 +13,7 @@ from restshape_apps.furniture.tests.furniture_scenes import BENCH, rail, write_b
 from small_scenes import make_replay
 
 from restshape.cli.main import main
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.tables import row_of
 from restshape.scene.load import load_scene
 

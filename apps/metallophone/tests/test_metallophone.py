@@ -14,7 +14,7 @@ from restshape_apps.metallophone.sounding.wav import write_wav
 
 from restshape.cli.main import main
 from restshape.interface.first_frame import first_frame
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 SCENES, EDITS = (application.folder / name for name in ("scenes", "edits"))
 QUICK = ["effects.modal.model=plate", "effects.modal.modes=3", 'mesh.size="8 mm"']

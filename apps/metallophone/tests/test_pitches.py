@@ -13,7 +13,7 @@ from restshape_apps.metallophone.workshop.bar import bar_of
 from restshape.cli.main import main
 from restshape.export.edited_frame import frame_of_script
 from restshape.outputs.kinds import PictureFile
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.edit_script import load_script
 from restshape.scene.load import load_scene
 

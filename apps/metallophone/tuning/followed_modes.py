@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from restshape_apps.metallophone.tuning.bar import Bar
 
-from restshape.algebra.clusters import clusters
+from restshape.algebra.eigenproblems.clusters import clusters
 
 ALIKE = 0.5
 """Modal assurance criterion (MAC) of a mode before and of a cluster now below which the mode counts as lost."""

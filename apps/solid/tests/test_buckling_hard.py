@@ -8,8 +8,8 @@ from restshape_verification.solid.stability_buckling import PULL, masts
 from scipy.linalg import eigh
 from small_scenes import across, drag, make_replay, write_scene, write_script
 
-from restshape.algebra.eigen import COUNT_EVERY
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.eigenproblems.eigen import COUNT_EVERY
+from restshape.algebra.factors.gathering import gather_matrix
 from restshape.analysis.buckling.buckling_matrices import products
 from restshape.cli.main import main
 

@@ -5,7 +5,7 @@ import pytest
 from restshape_verification.solid.stability_columns import DEPTH, EULER, THICKNESS, column
 from small_scenes import across, drag, make_replay, rows_of, write_scene, write_script
 
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
 
 
 def negative(analysis):

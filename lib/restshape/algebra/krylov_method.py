@@ -2,7 +2,7 @@
 
 from petsc4py import PETSc
 
-from restshape.algebra.prices import RESTART
+from restshape.algebra.reuse.prices import RESTART
 
 LEAST = 1e-300
 """A relative tolerance that ends nothing."""

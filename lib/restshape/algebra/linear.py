@@ -6,17 +6,17 @@ from collections.abc import Callable
 
 from petsc4py import PETSc
 
-from restshape.algebra.candidates import DECADES
-from restshape.algebra.choice import MEMORY, Choice
-from restshape.algebra.kept_preconditioner import KeptPreconditioner
 from restshape.algebra.krylov_method import set_krylov, solve_from
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.preconditioner import COMPLETE
 from restshape.algebra.projection import Projection
-from restshape.algebra.refresh import RefreshCriterion
+from restshape.algebra.reuse.candidates import DECADES
+from restshape.algebra.reuse.choice import MEMORY, Choice
+from restshape.algebra.reuse.kept_preconditioner import KeptPreconditioner
+from restshape.algebra.reuse.refresh import RefreshCriterion
+from restshape.algebra.reuse.traits import Traits
 from restshape.algebra.solve_counts import SolveCounts
 from restshape.algebra.stages import Stages
-from restshape.algebra.traits import Traits
 from restshape.arrays import Indices, Reals
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem

@@ -3,7 +3,7 @@
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import gather_vector
+from restshape.algebra.factors.gathering import gather_vector
 from restshape.arrays import Reals
 
 

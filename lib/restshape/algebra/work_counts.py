@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from restshape.algebra.prices import ROW
+from restshape.algebra.reuse.prices import ROW
 
 if TYPE_CHECKING:
+    from restshape.algebra.eigenproblems.pencil import Pencil
     from restshape.algebra.linear import LinearSolver
-    from restshape.algebra.pencil import Pencil
     from restshape.calibration import Calibration
 
 

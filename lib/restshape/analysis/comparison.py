@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.algebra.gathering import GatheredSystem, matrix_difference
+from restshape.algebra.factors.gathering import GatheredSystem, matrix_difference
 from restshape.analysis.analysis import Comparison
 
 if TYPE_CHECKING:

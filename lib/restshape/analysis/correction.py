@@ -7,9 +7,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.gathering import gather_vector
+from restshape.algebra.factors.gathering import gather_vector
+from restshape.algebra.factors.row_share import RowShare
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.row_share import RowShare
 from restshape.fem.problem import SteadyProblem
 from restshape.fem.residuals import Operation, stiffness_product, unconstrained_residual
 

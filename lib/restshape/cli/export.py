@@ -74,7 +74,7 @@ def _of_recording(args: argparse.Namespace) -> dict[str, Any]:
     from restshape.export.edited_frame import frame_of_recording, row_of, scene_of
     from restshape.export.frame_mesh import mesh_of_recording
     from restshape.export.restated_frame import restated_of_recording, restates
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
     with Recording(args.source) as recording:
         if not recording.n:

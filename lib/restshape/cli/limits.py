@@ -16,7 +16,7 @@ from restshape.errors import one_line
 from restshape.outputs.kinds import CsvFile, RecordingFile, SweepFile
 
 if TYPE_CHECKING:
-    from restshape.replay.recorder import Recorder
+    from restshape.replay.recording.recorder import Recorder
 
 LIMIT_REACHED = 3
 """Exit code of a run that has ended at a limit."""

@@ -35,8 +35,8 @@ from restshape.scene.key_aliases import notes
 from restshape.surroundings import start_petsc
 
 if TYPE_CHECKING:
-    from restshape.replay.recorder import Recorder
-    from restshape.replay.recorder_start import Begun
+    from restshape.replay.recording.recorder import Recorder
+    from restshape.replay.recording.recorder_start import Begun
     from restshape.replay.request import Request
     from restshape.replay.tally import Reason
     from restshape.scene.edit_script import Script
@@ -106,7 +106,7 @@ def _begin_recorder() -> Begun:
     """The recorder process, begun before MPI and before all that it does not need."""
     import numpy  # noqa: F401 (it needs that)
 
-    from restshape.replay.recorder_start import begun
+    from restshape.replay.recording.recorder_start import begun
 
     return begun()
 
@@ -128,8 +128,8 @@ def _request(args: argparse.Namespace) -> Request:
         UserError: it cannot be replayed, or not be recorded there.
     """
     from restshape.calibration import Calibration
+    from restshape.replay.recording.request_recorder import refuse_other_names
     from restshape.replay.request import Request
-    from restshape.replay.request_recorder import refuse_other_names
     from restshape.scene.edit_script import load_script
 
     if args.fields is not None:
@@ -144,7 +144,7 @@ def _request(args: argparse.Namespace) -> Request:
     script = load_script(args.edits, scene, keep_good=True) if args.edits else None
     known = Calibration.load(args.calibration)
     if args.out and first_rank():
-        from restshape.replay.recorder import refuse_other_files
+        from restshape.replay.recording.recorder import refuse_other_files
 
         refuse_other_files(args.out)
     return Request.of(scene, script, args.policy, args.guess, known, args.petsc, args.predict, args.set)
@@ -154,7 +154,7 @@ def _replayed(
     args: argparse.Namespace, request: Request, begin_frame: Callable[[], None], process: Begun | None
 ) -> int:
     """The exit code of a replay that says when each frame begins, with the process that will record it."""
-    from restshape.replay.request_recorder import recorder_of
+    from restshape.replay.recording.request_recorder import recorder_of
 
     first = first_rank()
     recorder = recorder_of(request, args.out, process) if process else None

@@ -19,7 +19,7 @@ from restshape.outputs.kinds import AnimationFile, PictureFile
 from restshape.outputs.si_numbers import counted
 
 if TYPE_CHECKING:
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
 SUMMARY = "tables and pictures of a recording"
 _FORMATS = ("gif", "mp4", "none")
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
         raise UserError("the exaggeration must be greater than 0", "--scale", "--scale 1 draws true displacements")
     if args.recording.is_dir():
         raise UserError("this is a folder", str(args.recording), "name a recording (.vtkhdf) in it")
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
     if args.animation == "mp4" and shutil.which("ffmpeg") is None:
         print("note: MP4 needs ffmpeg, which is not installed: the animation is a GIF", file=sys.stderr)

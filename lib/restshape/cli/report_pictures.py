@@ -13,7 +13,7 @@ from restshape.cli.report_looks import Looks
 from restshape.errors import UserError
 
 if TYPE_CHECKING:
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
     from restshape.scene.physics import OwnPictures
 
 

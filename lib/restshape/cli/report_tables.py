@@ -13,7 +13,7 @@ from restshape.replay.level_names import LEVEL_NAMES
 
 if TYPE_CHECKING:
     from restshape.application import Application
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
 ORIGIN = ("scene", "script", "overrides", "restshape", "units", "machine")
 """Keys of the header that results repeat."""

@@ -157,7 +157,7 @@ class CsvRows:
             return
         self._waiting.append(run)
         if self._write is None and sweep.columns is not None:
-            from restshape.replay.row_table import table_of_rows
+            from restshape.replay.recording.row_table import table_of_rows
             from restshape.variation.swept_run import column_names
 
             names = column_names(self.keys, sweep.columns, self.several)

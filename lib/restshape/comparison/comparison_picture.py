@@ -17,7 +17,7 @@ from restshape.comparison.result_comparison import Compared
 from restshape.errors import UserError
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.singular_notes import marked
 from restshape.report.drawing import Drawing
 from restshape.report.field import own_pictures, shown_field

@@ -10,7 +10,7 @@ import numpy as np
 from restshape.arrays import Indices, Reals
 from restshape.comparison.series_difference import Gathered, SeriesDifference
 from restshape.mesh.transfer import Transfer
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 SAME, SAMPLED, OTHER = "same cells", "sampled", "other meshes"
 """How fields of a frame are compared: node by node, at nodes of the first mesh that lie in the second, not at all."""

@@ -14,7 +14,7 @@ from restshape.arrays import AnyArray, Flags, Reals
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import unit_of
 from restshape.replay.columns import SIMULATED, quantity_names
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.recorded_quantities import quantity_units
 from restshape.report.tables import column, refused, singular
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.arrays import AnyArray
 from restshape.comparison.result import is_time
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 
 
 def column_hashes(recording: Recording) -> dict[str, str]:

@@ -13,7 +13,7 @@ from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.importer import read_mesh
 from restshape.mesh.sizing import sizing_of
 from restshape.mesh.thickness import Thickness
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.scene.darts import without_darts
 from restshape.scene.edit_script import Script, read_script

@@ -10,7 +10,7 @@ from restshape.application import application_of
 from restshape.errors import ReplayProblem, UserError
 from restshape.mesh.generate import generate
 from restshape.mesh.lagrange_space import LagrangeSpace
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.shape.outline import Outline

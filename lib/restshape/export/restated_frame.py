@@ -12,7 +12,7 @@ from restshape.export.edited_frame import row_of, scene_of, script_of
 from restshape.export.toml_scene import toml_text
 from restshape.outputs.atomic_files import write_whole
 from restshape.outputs.kinds import EXPORT_MARK
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.scene.edit_script import Script
 from restshape.scene.load import remade

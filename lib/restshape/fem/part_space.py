@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.row_share import RowShare
+from restshape.algebra.factors.row_share import RowShare
 from restshape.fem.entity_sets import cells_around
 from restshape.fem.space import Space
 

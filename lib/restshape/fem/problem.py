@@ -10,7 +10,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape.algebra.operator import Block
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.error_estimate import RecoveryEstimate
 from restshape.fem.integral import Integral

@@ -4,7 +4,7 @@ from petsc4py import PETSc
 
 from restshape.replay.loop import Replay
 from restshape.replay.petsc_options import refusal
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 from restshape.replay.request import Request
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self, overload
 
 from restshape.errors import UserError
 from restshape.interface.readable_frame import ReadableFrame, ShownMesh
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.edit_script import Script, read_script
 from restshape.scene.load import recorded_scene
 from restshape.scene.plain_values import table_in

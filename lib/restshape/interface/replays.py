@@ -9,8 +9,8 @@ from restshape.interface.run import Run
 from restshape.interface.scripts import refuse_names
 from restshape.interface.simulation import Predict
 from restshape.replay.chosen_frames import ChosenFrames
+from restshape.replay.recording.request_recorder import recorder_of
 from restshape.replay.request import Measured, Request
-from restshape.replay.request_recorder import recorder_of
 from restshape.replay.tally import Summary
 from restshape.scene.edit_script import Script, load_script
 from restshape.scene.load import load_scene

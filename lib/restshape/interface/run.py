@@ -22,10 +22,10 @@ from restshape.replay.first_steps import FirstSteps
 from restshape.replay.frame_counts import FrameCounts
 from restshape.replay.parity import Parity
 from restshape.replay.petsc_options import refusal
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
+from restshape.replay.recording.row_table import table_of_rows
 from restshape.replay.request import Request
 from restshape.replay.rounding import load_scales
-from restshape.replay.row_table import table_of_rows
 from restshape.replay.tally import Summary, Tally
 from restshape.scene.plan import solved_physics
 from restshape.shape.protocol import Session

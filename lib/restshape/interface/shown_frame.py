@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Self, TypeVar
 
 from restshape.errors import UserError
 from restshape.interface.readable_frame import ReadableFrame, ShownMesh
-from restshape.replay.cell_types import CELL_TYPES
+from restshape.replay.recording.cell_types import CELL_TYPES
 
 if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
@@ -158,7 +158,7 @@ class ShownFrame(ReadableFrame):
 
     def _repr_png_(self) -> bytes | None:
         """The frame as `restshape report` draws it, for notebooks; None where it was not kept, or none is drawn."""
-        from restshape.replay.frame_recording import FrameRecording
+        from restshape.replay.recording.frame_recording import FrameRecording
         from restshape.report.sheet import sheet
 
         try:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from restshape.analysis.row_values import RowValues
     from restshape.calibration import Calibration
     from restshape.replay.loop import Replay
-    from restshape.replay.recorder import Recorder
+    from restshape.replay.recording.recorder import Recorder
 
 Predict = Literal["none", "linear", "gmls"]
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from petsc4py import PETSc
 
 from restshape.errors import UserError
-from restshape.replay.request_recorder import recorder_of
+from restshape.replay.recording.request_recorder import recorder_of
 from restshape.surroundings import petsc_options
 
 if TYPE_CHECKING:
     from restshape.live.live_simulation import LiveSimulation, Progress
-    from restshape.replay.recorder import Recorder
-    from restshape.replay.recorder_start import Begun
+    from restshape.replay.recording.recorder import Recorder
+    from restshape.replay.recording.recorder_start import Begun
 
 
 class LiveRecording:

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from restshape.interface.simulation import Predict
     from restshape.live.message_loop import MessageLoop
     from restshape.live.worker_options import WorkerOptions
-    from restshape.replay.recorder_start import Begun
+    from restshape.replay.recording.recorder_start import Begun
     from restshape.scene.edit_script import Script
     from restshape.scene.model import Scene
 
@@ -134,7 +134,7 @@ def _of_recording(options: WorkerOptions, link: Link | None) -> SessionParts | N
     # What reads recordings takes a while to load, in which a scene could be on screen.
     from restshape.live.recording_player import RecordingPlayer
     from restshape.live.recording_session import RecordingSession
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
     with Recording(options.scene) as recording:
         played = RecordingSession(link, RecordingPlayer(recording), str(options.out or ""))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from restshape.calibration import Calibration
     from restshape.interface.shown_frame import ShownFrame
-    from restshape.replay.recorder import Recorder
+    from restshape.replay.recording.recorder import Recorder
     from restshape.scene.model import Scene
 
 Event = Mapping[str, Any]

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from restshape.arrays import Indices, Reals
     from restshape.fem.space import PlaneSpace
     from restshape.interface.shown_frame import ShownFrame
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
     from restshape.scene.model import Scene
 
 

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from restshape.live.live_simulation import Progress
     from restshape.live.script_player import Watch
     from restshape.live.shown_marks import Mark
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
     from restshape.scene.model import Scene
     from restshape.shape.outline import Outline
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 from restshape.errors import UserError, printable
 from restshape.live.worker_options import options_of
-from restshape.replay.recorder_start import begun
+from restshape.replay.recording.recorder_start import begun
 from restshape.surroundings import start_petsc
 
 

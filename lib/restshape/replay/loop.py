@@ -8,8 +8,8 @@ from time import perf_counter
 
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import clean_up
-from restshape.algebra.newton_convergence import INDEFINITE
+from restshape.algebra.factors.gathering import clean_up
+from restshape.algebra.nonlinear.newton_convergence import INDEFINITE
 from restshape.algebra.stages import NAMES, Stages
 from restshape.analysis.row_values import RowValues, whole
 from restshape.errors import ReplayProblem, UserError
@@ -21,7 +21,7 @@ from restshape.replay.frame_rows import FrameRows
 from restshape.replay.frame_solver import FrameSolver
 from restshape.replay.petsc_options import of_solvers
 from restshape.replay.rank_agreement import refuse_unlike
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 from restshape.replay.replay_parts import replay_parts
 from restshape.replay.request import Request
 from restshape.shape.protocol import Session

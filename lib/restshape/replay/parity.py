@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from restshape.algebra.gathering import clean_up
+from restshape.algebra.factors.gathering import clean_up
 from restshape.analysis.row_values import whole
 from restshape.errors import ReplayProblem
 from restshape.replay.loop import Replay

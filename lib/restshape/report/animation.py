@@ -16,7 +16,7 @@ from PIL import Image
 
 from restshape.errors import UserError
 from restshape.outputs.picture_files import count_picture
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.conditions import LOADS, SUPPORT
 from restshape.report.drawing import Drawing
 from restshape.report.frames import (

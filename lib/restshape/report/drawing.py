@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.tri import Triangulation
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.marks import CROSS, SYMBOLS, Mark, marks, singular_points
 from restshape.report.outlines import border, chains, lines, sides
 from restshape.report.scenery import Scenery

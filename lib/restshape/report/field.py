@@ -14,7 +14,7 @@ from restshape.report.recorded_quantities import limits_of, quantity_specs
 from restshape.scene.physics import OwnPictures, Physics, PictureField
 
 if TYPE_CHECKING:
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
 IN_CELLS = "_in_cells"
 """End of the name of a field that each cell has at its own nodes, as it jumps between regions."""

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from restshape.outputs.picture_files import save_picture
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.drawing import Drawing
 from restshape.report.happenings import failure, frame_words
 from restshape.report.marks import marks, singular_words

@@ -17,7 +17,7 @@ from restshape.scene.scene_parameters import read_parameters
 from restshape.scene.source import Source
 
 if TYPE_CHECKING:
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
 
 def goals_in(scene: Scene) -> Iterator[tuple[str, np.ndarray]]:
@@ -44,6 +44,6 @@ def _curves(section: Section, key: str, recording: Recording) -> list[np.ndarray
         return [section.curve_of(one) for one in found]
     except ValidationError as error:
         # Live sessions draw goals, and read no recordings.
-        from restshape.replay.layout import bad
+        from restshape.replay.recording.layout import bad
 
         raise bad(recording.path, f"[{key}] of its scene: {error.errors(include_url=False)[0]['msg']}") from None

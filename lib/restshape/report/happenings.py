@@ -8,7 +8,7 @@ import numpy as np
 from restshape.outputs.si_numbers import si
 from restshape.replay.columns import quantity_names
 from restshape.replay.constraints import FAILS, UNCERTAIN
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.field import shown_field
 from restshape.report.recorded_quantities import limit_series, quantity_units

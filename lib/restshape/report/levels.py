@@ -8,7 +8,7 @@ import numpy as np
 
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import counted, three_digits
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels
 from restshape.report.style import FAINT, INK, LEVEL_LABELS, STAGES, new_figure

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.outputs.si_numbers import digits_apart, si
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.rounding import cleared
 from restshape.report.extreme_words import DIGITS, EXTREMES, extreme_words
 from restshape.report.field import ShownField

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.scenery import Scenery
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import prefix, scaled_unit
 from restshape.replay.columns import SIMULATED, distance_column, error_column, jump_column, quantity_names
-from restshape.replay.recording import Recording, ranges
+from restshape.replay.recording.recording import Recording, ranges
 from restshape.replay.rounding import without_rounding
 from restshape.replay.singular_notes import marked
 from restshape.report.frame_axis import frame_axis

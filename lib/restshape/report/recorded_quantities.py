@@ -18,7 +18,7 @@ from restshape.scene.quantity import CORE, Quantity, QuantityKind
 from restshape.scene.units import UnitError, quantity
 
 if TYPE_CHECKING:
-    from restshape.replay.recording import Recording
+    from restshape.replay.recording.recording import Recording
 
 LIMITS = ("min", "max")
 

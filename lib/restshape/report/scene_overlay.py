@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.sessions import session_of
 from restshape.report.conditions import Moved, draw_loads, draw_supports
 from restshape.report.outlines import border, lines

@@ -12,7 +12,7 @@ from matplotlib.colors import Colormap, Normalize
 
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import length_unit, scaled_unit, si
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.field import ShownField, shown_field, true_scale
 from restshape.report.goal_curves import goals_of
 from restshape.report.style import BODY, COLOURS, SIGNED

@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from restshape.application import applications
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.field import own_pictures
 from restshape.report.frames import draw_frames
 from restshape.report.happenings import chosen_frames

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from restshape.replay.columns import SIMULATED
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.field import ShownField
 from restshape.report.tables import column, refused
 

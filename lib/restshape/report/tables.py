@@ -9,7 +9,7 @@ import numpy as np
 from restshape.replay.columns import UNTRUSTED, error_column, jump_column, quantity_column, quantity_names
 from restshape.replay.constraints import FAILS, HOLDS, UNCERTAIN
 from restshape.replay.recorded_places import SINGULAR_PLACES, RecordedPlaces, decode_places
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.replay.rounding import ROUNDING, cleared, largest, scales, without_rounding
 from restshape.replay.same_texts import severity, without_numbers
 from restshape.replay.summary import percentiles

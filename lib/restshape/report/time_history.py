@@ -11,7 +11,7 @@ from restshape.arrays import Reals
 from restshape.outputs.picture_files import save_picture
 from restshape.outputs.si_numbers import scaled_unit, si
 from restshape.replay.columns import SIMULATED, quantity_names
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frames import scene_name
 from restshape.report.quantity_panels import cut_start, draw_limits, least_span, say_no_values
 from restshape.report.recorded_quantities import limit_series, quantity_units

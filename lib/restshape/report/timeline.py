@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 
 from restshape.outputs.picture_files import save_picture
 from restshape.replay.constraints import FAILS, UNCERTAIN
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.frame_axis import frame_axis
 from restshape.report.frames import scene_name
 from restshape.report.stacked_panels import stack_panels

@@ -11,7 +11,7 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from restshape.errors import UserError
 from restshape.outputs.si_numbers import si
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.field import physics_of
 from restshape.report.scenery import Scenery
 from restshape.report.segments import Segments

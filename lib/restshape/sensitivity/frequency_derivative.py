@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from restshape.algebra.clusters import clusters
-from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.eigenproblems.clusters import clusters
+from restshape.algebra.eigenproblems.eigen import EigenSolver
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import MASS, STIFFNESS
 from restshape.sensitivity.mode_change import change_beyond

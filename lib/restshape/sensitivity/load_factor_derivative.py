@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.eigenproblems.buckling_solver import BucklingSolver
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS
 from restshape.sensitivity.mode_change import change_beyond

@@ -9,7 +9,7 @@ import numpy as np
 from restshape.errors import ReplayProblem
 
 if TYPE_CHECKING:
-    from restshape.algebra.pencil import Deflation, Pencil
+    from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
     from restshape.arrays import Reals
 
 RESTART, RESTARTS = 30, 4

@@ -11,8 +11,8 @@ from restshape.algebra.krylov_method import set_krylov, solve_from
 from restshape.algebra.linear import MOST_ITERATIONS, LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.algebra.preconditioner import cycle_in_single, set_preconditioner, set_rigid_motions
-from restshape.algebra.prices import Prices, Size
-from restshape.algebra.schedule import Schedule
+from restshape.algebra.reuse.prices import Prices, Size
+from restshape.algebra.reuse.schedule import Schedule
 from restshape.arrays import Reals
 from restshape.first_use import made
 
@@ -284,7 +284,7 @@ def _solver_of(solver: LinearSolver, manner: Manner, matrix: PETSc.Mat) -> PETSc
     shifts = traits.symmetric or traits.definite
     with_rows = (solver.kept.overlap, traits.symmetric)
     if manner.shared:
-        from restshape.algebra.shared_solves import set_shared_factor
+        from restshape.algebra.factors.shared_solves import set_shared_factor
 
         set_shared_factor(destroyed_at_exit(ksp), traits.fields or traits.dimension)
         given = []

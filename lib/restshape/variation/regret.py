@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TypedDict
 
-from restshape.algebra.counted_work import EVENTS, NUMERIC, counted_seconds
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
+from restshape.algebra.reuse.counted_work import EVENTS, NUMERIC, counted_seconds
 from restshape.algebra.stages import Stages
 from restshape.analysis.row_values import whole
 from restshape.errors import UserError

@@ -22,7 +22,7 @@ from small_scenes import (
     write_script,
 )
 
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
 from restshape.algebra.stages import log_stage
 from restshape.application import application
 from restshape.scene.load import load_scene

@@ -10,7 +10,7 @@ from small_scenes import across, drag, plate, write_script
 
 from restshape import _kernels
 from restshape.cli import replay
-from restshape.replay.recorder import Recorder
+from restshape.replay.recording.recorder import Recorder
 
 PATH = [*across((0.5, 0.5), (0.54, 0.5), 3), (0.5, 5.0)]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.eigenproblems.buckling_solver import BucklingSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, Timeless
 from restshape.analysis.buckling.buckling_binding import bound, flipped
@@ -29,7 +29,7 @@ from restshape.first_use import made
 if TYPE_CHECKING:
     from petsc4py import PETSc
 
-    from restshape.algebra.davidson import Found
+    from restshape.algebra.eigenproblems.davidson import Found
     from restshape.fem.problem import Fields, PrestressedProblem
     from restshape.fem.space import Space
     from restshape.scene.model import Scene

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.eigenproblems.buckling_solver import BucklingSolver
 from restshape.analysis.analysis import Context
 from restshape.analysis.buckling.buckling_matrices import BucklingMatrices
 from restshape.analysis.buckling.buckling_state import BucklingState

@@ -5,7 +5,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix, matrix_difference
+from restshape.algebra.factors.gathering import GatheredSystem, gather_matrix, matrix_difference
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Comparison
 from restshape.analysis.buckling.buckling_state import BucklingState

@@ -3,8 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
+from restshape.algebra.factors.row_share import RowShare
 from restshape.algebra.operator import Operator
-from restshape.algebra.row_share import RowShare
 from restshape.analysis.static.steady import SteadyState
 from restshape.fem.assembled import Assembled
 from restshape.fem.problem import STIFFNESS, PrestressedProblem, SteadyProblem

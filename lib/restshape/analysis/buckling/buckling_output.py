@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from restshape.algebra.buckling_solver import BucklingSolver
+from restshape.algebra.eigenproblems.buckling_solver import BucklingSolver
 from restshape.analysis.analysis import RowValues
 from restshape.analysis.buckling.buckling_matrices import products
 from restshape.analysis.buckling.buckling_state import BucklingState

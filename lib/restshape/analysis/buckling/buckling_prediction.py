@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenReport
+from restshape.algebra.eigenproblems.eigen import EigenReport
 from restshape.algebra.work_counts import linear_counts, linear_seconds, pencil_counts, pencil_seconds
 from restshape.analysis.buckling.buckling_comparison import load_factors_of
 from restshape.analysis.buckling.buckling_matrices import products

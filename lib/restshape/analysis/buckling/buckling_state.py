@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenReport
+from restshape.algebra.eigenproblems.eigen import EigenReport
 from restshape.analysis.buckling.buckling_matrices import BucklingMatrices
 from restshape.analysis.modal.mode_tracking import ModeIds
 from restshape.analysis.settings import buckling_settings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from restshape.algebra.clusters import CLUSTER, clusters
+from restshape.algebra.eigenproblems.clusters import CLUSTER, clusters
 from restshape.analysis.modal.modal_state import ModalState, frequencies
 
 WIDEST = 0.02

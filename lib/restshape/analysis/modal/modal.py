@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.eigenproblems.eigen import EigenSolver
+from restshape.algebra.eigenproblems.pencil import multiplied, sample
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.pencil import multiplied, sample
 from restshape.analysis.analysis import Comparison, Context, QuantityErrors, RowValues, State, Timeless
 from restshape.analysis.frame import Frame
 from restshape.analysis.modal import modal_output

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenSolver
+from restshape.algebra.eigenproblems.eigen import EigenSolver
 from restshape.algebra.stages import Stages
 from restshape.analysis.analysis import Context
 from restshape.analysis.frame import Frame

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.clusters import CLUSTER, clusters
-from restshape.algebra.gathering import gather_matrix, matrix_difference
-from restshape.algebra.krylov_schur import krylov_schur
-from restshape.algebra.pencil import Deflation, Pencil
+from restshape.algebra.eigenproblems.clusters import CLUSTER, clusters
+from restshape.algebra.eigenproblems.krylov_schur import krylov_schur
+from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
+from restshape.algebra.factors.gathering import gather_matrix, matrix_difference
 from restshape.analysis.analysis import Comparison, Context
 from restshape.analysis.modal.modal_matrices import ModalMatrices
 from restshape.analysis.modal.modal_state import ModalState, frequencies

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
+from restshape.algebra.factors.row_share import RowShare
 from restshape.algebra.operator import Operator
-from restshape.algebra.row_share import RowShare
 from restshape.fem.assembled import Assembled
 from restshape.fem.eigenproblem import Eigenproblem
 from restshape.fem.problem import MASS, STIFFNESS

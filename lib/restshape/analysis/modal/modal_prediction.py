@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenReport
+from restshape.algebra.eigenproblems.eigen import EigenReport
 from restshape.algebra.work_counts import pencil_counts, pencil_seconds
 from restshape.analysis.correction import largest_values
 from restshape.analysis.modal.frequencies import largest_difference

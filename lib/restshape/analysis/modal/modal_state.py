@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from restshape.algebra.eigen import EigenReport
+from restshape.algebra.eigenproblems.eigen import EigenReport
 from restshape.analysis.modal.modal_matrices import ModalMatrices
 from restshape.analysis.modal.mode_search import FoundModes
 from restshape.analysis.modal.mode_tracking import ModeIds

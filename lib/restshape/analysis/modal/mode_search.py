@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.clusters import cluster_end
-from restshape.algebra.davidson import Found
-from restshape.algebra.eigen import EigenReport, EigenSolver
+from restshape.algebra.eigenproblems.clusters import cluster_end
+from restshape.algebra.eigenproblems.davidson import Found
+from restshape.algebra.eigenproblems.eigen import EigenReport, EigenSolver
 from restshape.analysis.modal.mode_tracking import ModeIds, normalise_signs
 from restshape.errors import ReplayProblem
 from restshape.fem.eigenproblem import Eigenproblem

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.newton import Newton
+from restshape.algebra.nonlinear.newton import Newton
 from restshape.algebra.operator import Operator
 from restshape.algebra.stages import Stages
 from restshape.analysis.static.residual_equations import ResidualEquations

@@ -7,9 +7,9 @@ from typing import cast
 import numpy as np
 import scipy.sparse as sp
 
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.newton import Newton
+from restshape.algebra.nonlinear.newton import Newton
 from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.correction import KeptOperation
 from restshape.analysis.frame import Frame

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import gather_matrix
+from restshape.algebra.factors.gathering import gather_matrix
 from restshape.algebra.operator import Operator
 from restshape.fem.integral import Integral
 from restshape.fem.problem import FOLLOWERS, INTERNAL, MASS, REFERENCE, STIFFNESS

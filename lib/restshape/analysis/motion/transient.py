@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.gathering import gather_matrix, gather_vector, matrix_difference
+from restshape.algebra.factors.gathering import gather_matrix, gather_vector, matrix_difference
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
 from restshape.analysis.analysis import Comparison, Context, RowValues, State

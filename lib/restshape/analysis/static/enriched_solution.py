@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import gather_vector
+from restshape.algebra.factors.gathering import gather_vector
+from restshape.algebra.factors.lone_factor import LoneFactor
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.lone_factor import LoneFactor
 from restshape.algebra.preconditioner import free
 from restshape.analysis.correction import KeptOperation, conjugate_steps, matrix_product
 from restshape.analysis.static.linear_system import LinearSystem
@@ -21,7 +21,7 @@ from restshape.fem.problem import INTERNAL
 from restshape.fem.residuals import Operation, unconstrained_residual
 
 if TYPE_CHECKING:
-    from restshape.algebra.shared_factor import SharedFactor
+    from restshape.algebra.factors.shared_factor import SharedFactor
 
 log = logging.getLogger("restshape.analysis")
 
@@ -155,6 +155,6 @@ class EnrichedSystem:
 
 def _shared_factor(fields: int) -> SharedFactor:
     # It brings SciPy, which is needed here alone.
-    from restshape.algebra.shared_factor import SharedFactor
+    from restshape.algebra.factors.shared_factor import SharedFactor
 
     return SharedFactor(fields)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import INDEFINITE, Outcome
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import INDEFINITE, Outcome
 from restshape.analysis.static.load_stepping import LoadPath, step_load
 from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem

@@ -6,10 +6,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.gathering import gather_vector
+from restshape.algebra.factors.gathering import gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.operator import Operator
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.fem.dirichlet import Dirichlet
 from restshape.fem.problem import INTERNAL, SteadyProblem
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 
 log = logging.getLogger("restshape.analysis")
 

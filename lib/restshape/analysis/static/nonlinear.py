@@ -7,11 +7,11 @@ from typing import cast
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix
+from restshape.algebra.factors.gathering import GatheredSystem, gather_matrix
 from restshape.algebra.linear import COMPLETE, LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import INDEFINITE
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import INDEFINITE
 from restshape.algebra.operator import Operator
 from restshape.analysis.analysis import Context, RowValues
 from restshape.analysis.frame import Frame

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar, cast
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix, gather_vector
+from restshape.algebra.factors.gathering import GatheredSystem, gather_matrix, gather_vector
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Operator, same_blocks

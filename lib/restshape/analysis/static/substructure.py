@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from petsc4py import PETSc
 
-from restshape.algebra.condensation import Condensation
+from restshape.algebra.factors.condensation import Condensation
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport, true_residual
 from restshape.algebra.operator import Block, CellSubset, MatrixTerm, Operator

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from restshape.algebra.operator import Block
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.fem.assembled import Assembled
 from restshape.fem.integral import Integral, Term
 from restshape.fem.observer import Observer

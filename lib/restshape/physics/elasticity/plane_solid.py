@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.errors import UserError
 from restshape.fem.elements import LINEAR_ELASTIC, LINEAR_ELASTIC_DILATATION, LUMPED_MASS, STVK, STVK_DILATATION
 from restshape.fem.elements import MASS as MASS_ELEMENTS

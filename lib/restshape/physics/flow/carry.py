@@ -11,8 +11,8 @@ from typing import cast
 import numpy as np
 
 from restshape import _kernels
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
 from restshape.mesh.transfer import FieldNodes, Transfer

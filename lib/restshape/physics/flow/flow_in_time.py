@@ -10,10 +10,10 @@ from typing import cast
 
 import numpy as np
 
-from restshape.algebra.gathering import GatheredSystem, gather_matrix
+from restshape.algebra.factors.gathering import GatheredSystem, gather_matrix
 from restshape.algebra.linear import LinearSolver
 from restshape.algebra.linear_report import LinearReport
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.analysis.analysis import Comparison, Context, RowValues, State
 from restshape.analysis.frame import Frame
 from restshape.analysis.static.nonlinear import COLD, NonlinearState, NonlinearSteadyAnalysis, NonlinearSystem

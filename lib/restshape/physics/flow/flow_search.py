@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.analysis.static.residual_equations import ResidualEquations
 from restshape.errors import ReplayProblem
 from restshape.physics.flow.incompressible_flow import IncompressibleFlow

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from restshape.algebra.traits import Traits
+from restshape.algebra.reuse.traits import Traits
 from restshape.fem import problem as kinds
 from restshape.fem.averages import node_weights
 from restshape.fem.elements import (

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.newton import Newton
-from restshape.algebra.newton_convergence import Outcome
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.nonlinear.newton_convergence import Outcome
 from restshape.analysis.analysis import Context
 from restshape.analysis.static.nonlinear import NonlinearSystem
 from restshape.analysis.static.residual_equations import ResidualEquations

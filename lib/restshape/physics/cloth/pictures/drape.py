@@ -12,7 +12,7 @@ from restshape.physics.cloth.contact.body_columns import recorded_bodies
 from restshape.physics.cloth.pictures.body_surfaces import Surface, body_surface
 from restshape.physics.cloth.pictures.panel_names import panel_names
 from restshape.physics.cloth.pictures.pins import pins
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.camera import Camera
 from restshape.report.tables import column, refused
 from restshape.scene.bodies import Body

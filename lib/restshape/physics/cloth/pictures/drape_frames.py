@@ -23,7 +23,7 @@ from restshape.outputs.picture_files import save_picture
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, drape_scenery, places
 from restshape.physics.cloth.pictures.drape_image import BODY, DrapeImage
 from restshape.physics.cloth.pictures.text_room import set_apart_alike
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.animation import animated_frames, even, pause, write_animation
 from restshape.report.camera import Camera
 from restshape.report.frames import LETTER, LINE, TITLE_LETTER, TITLE_LINE, scene_name

@@ -9,7 +9,7 @@ from matplotlib.colors import to_rgb
 
 from restshape.physics.cloth.pictures.body_surfaces import body_surface
 from restshape.physics.cloth.pictures.drape import COLOURS, TENSION, DrapeScenery, bodies, places, recorded_surface
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.camera import Camera
 from restshape.report.outlines import border, lines
 from restshape.report.space_scene import SpaceDrawing, SpaceImage

@@ -8,7 +8,7 @@ from matplotlib.path import Path as Border
 from restshape.application import application_of
 from restshape.fem.region_materials import materials_of_regions
 from restshape.physics.cloth.pictures.drape import places
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.scene.model import Scene
 from restshape.scene.panels import frames_of, panels_of
 from restshape.scene.plan import plan

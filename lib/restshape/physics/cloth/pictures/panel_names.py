@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.scene_overlay import rebuilt_frames
 from restshape.shape.outline import Outline
 

@@ -24,7 +24,7 @@ from restshape.physics.cloth.pictures.drape_image import DrapeImage
 from restshape.physics.cloth.pictures.drawn_seams import DrawnSeam, drawn_seams
 from restshape.physics.cloth.pictures.membrane_stretch import recorded_stretches, trusted_strain
 from restshape.physics.cloth.pictures.text_room import set_apart, set_apart_alike
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.fitted_title import fitted
 from restshape.report.frames import scene_name
 from restshape.report.outlines import border, lines, polygons

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from restshape.errors import UserError
-from restshape.replay.recording import Recording
+from restshape.replay.recording.recording import Recording
 from restshape.report.scene_overlay import rebuilt_frames
 from restshape.scene.held_point import CLOTH, hold_of
 from restshape.shape.nearness import distances

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY
+from restshape.algebra.nonlinear.descent import MEMORY
 from restshape.mesh.mesh import Mesh
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.relaxation.beginning import beginning

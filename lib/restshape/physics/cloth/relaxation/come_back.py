@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY
+from restshape.algebra.nonlinear.descent import MEMORY
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH, EquilibriumSolver
 from restshape.physics.cloth.relaxation.follow_bodies import ROUNDS, take_along
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport

@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.descent import MEMORY, Descent
-from restshape.algebra.kinetic_damping import KineticDamping, Steps
 from restshape.algebra.linear import LinearSolver
-from restshape.algebra.newton import Newton
+from restshape.algebra.nonlinear.descent import MEMORY, Descent
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping, Steps
+from restshape.algebra.nonlinear.newton import Newton
+from restshape.algebra.reuse.tries import Tries
 from restshape.algebra.stages import Stages
-from restshape.algebra.tries import Tries
 from restshape.algebra.weak_calls import weak_call
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem

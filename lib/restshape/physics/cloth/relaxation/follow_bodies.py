@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY
+from restshape.algebra.nonlinear.descent import MEMORY
 from restshape.physics.cloth.body_path import BodyPath, goes_on
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact.body_motion import (

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY
+from restshape.algebra.nonlinear.descent import MEMORY
 from restshape.physics.cloth.relaxation.equilibrium import ROUGH
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport
 from restshape.physics.cloth.relaxation.state import RelaxationState

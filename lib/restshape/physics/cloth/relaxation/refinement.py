@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from restshape.algebra.descent import MEMORY
+from restshape.algebra.nonlinear.descent import MEMORY
 from restshape.algebra.solve_counts import SolveCounts
 from restshape.physics.cloth.cloth_problem import ClothProblem
 from restshape.physics.cloth.contact.contact import FrictionHistory

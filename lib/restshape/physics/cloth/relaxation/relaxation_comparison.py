@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from restshape.algebra.gathering import gather_matrix, matrix_difference
+from restshape.algebra.factors.gathering import gather_matrix, matrix_difference
 from restshape.analysis.analysis import Comparison
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.cloth_problem import ClothProblem

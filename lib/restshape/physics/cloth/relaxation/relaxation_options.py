@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.kinetic_damping import Steps
 from restshape.algebra.linear import LinearSolver
+from restshape.algebra.nonlinear.kinetic_damping import Steps
 from restshape.analysis.analysis import Context
 from restshape.application import application_of
 from restshape.mesh.mesh import Mesh

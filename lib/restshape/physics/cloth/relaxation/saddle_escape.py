@@ -6,7 +6,7 @@ from contextlib import contextmanager, nullcontext
 import numpy as np
 from petsc4py import PETSc
 
-from restshape.algebra.shared_factor import NO_FACTOR, SharedFactor
+from restshape.algebra.factors.shared_factor import NO_FACTOR, SharedFactor
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import STIFFER, EquilibriumSolver
 

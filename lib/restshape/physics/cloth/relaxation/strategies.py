@@ -8,8 +8,8 @@ from typing import Protocol
 
 import numpy as np
 
-from restshape.algebra.descent import Descent
-from restshape.algebra.kinetic_damping import KineticDamping
+from restshape.algebra.nonlinear.descent import Descent
+from restshape.algebra.nonlinear.kinetic_damping import KineticDamping
 from restshape.errors import ReplayProblem
 from restshape.physics.cloth.relaxation.equilibrium import SLIPPING, EquilibriumSolver
 from restshape.physics.cloth.relaxation.relaxation_report import ConvergenceReport

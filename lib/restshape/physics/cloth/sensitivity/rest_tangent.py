@@ -9,7 +9,7 @@ import numpy as np
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from restshape.algebra.gathering import whole_cholesky
+from restshape.algebra.factors.gathering import whole_cholesky
 from restshape.fem.assembled import Assembled
 from restshape.physics.cloth.relaxation.relaxation_equations import ClothEquations
 from restshape.physics.cloth.relaxation.state import RelaxationState

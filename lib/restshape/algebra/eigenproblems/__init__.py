@@ -1,0 +1,1 @@
+"""Eigenproblems of one frame after the other: pencils, Davidson, Krylov and Schur, inverse iteration."""
