@@ -101,7 +101,7 @@ def refuse_damage(recording: Recording) -> None:
     Raises:
         UserError: some do not; says which do.
     """
-    from restshape.replay.recording import ranges
+    from restshape.replay.recording.recording import ranges
 
     if damaged := recording.verify():
         good = sorted(set(range(recording.n)) - set(damaged))

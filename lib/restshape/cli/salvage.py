@@ -20,7 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes what is good and says what it is; the exit code."""
-    from restshape.replay.recording import ranges
+    from restshape.replay.recording.recording import ranges
     from restshape.replay.recording.good_frames import salvage
 
     if args.out.suffix != ".vtkhdf":
