@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from restshape.errors import UserError
-from restshape.replay.recording.recording import Recording, journal
+from restshape.replay.recording import journal
+from restshape.replay.recording.recording import Recording
 from restshape.replay.recording.vtkhdf import RecordedFrame, Topology, VtkHdfWriter
 
 ROW = np.dtype([("index", "i8"), ("t", "f8"), ("area", "f8")])

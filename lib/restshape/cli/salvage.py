@@ -20,8 +20,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Writes what is good and says what it is; the exit code."""
-    from restshape.replay.recording.recording import ranges
     from restshape.replay.recording.good_frames import salvage
+    from restshape.replay.recording.recording import ranges
 
     if args.out.suffix != ".vtkhdf":
         do = f"--out {args.out.with_suffix('.vtkhdf')}"
