@@ -1,10 +1,11 @@
 // Loads on the nodes of a new mesh whose solutions are the projections of a motion on the mesh before: sums over points
-// of the new cells, eight points of a cell at once. Source: docs/theory/solids.md.
+// of the new cells, several points of a cell at once. Source: docs/theory/solids.md.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <type_traits>
 #include <vector>
 
@@ -65,7 +66,9 @@ class PackedBasis {
 };
 
 // Slopes of x, y, u and v along both directions of a cell, in this order.
-using Slopes8 = Pack;
+struct Slopes8 {
+    alignas(64) double along[8] = {};
+};
 
 // Those at the corners of each cell, of which all others are mixtures; of first order they are the same everywhere.
 template <int nodes>
@@ -81,13 +84,10 @@ class CornerSlopes {
             Slopes8* own = slopes_.data() + corners * e;
             for (int i = 0; i < nodes; ++i) {
                 const std::size_t node = 2 * static_cast<std::size_t>(old.cells[nodes * e + i]);
-                const double x = old.X[node], y = old.X[node + 1], u = old.u[node], v = old.u[node + 1];
-                const Pack both = {x, y, u, v, x, y, u, v};
-                for (int k = 0; k < corners; ++k) {
-                    const double a = slope[k][i][0], b = slope[k][i][1];
-                    const Pack by = {a, a, a, a, b, b, b, b};
-                    own[k] += by * both;
-                }
+                const double at_node[4] = {old.X[node], old.X[node + 1], old.u[node], old.u[node + 1]};
+                for (int k = 0; k < corners; ++k)
+                    for (int a = 0; a < 2; ++a)
+                        for (int c = 0; c < 4; ++c) own[k].along[4 * a + c] += slope[k][i][a] * at_node[c];
             }
         }
     }
@@ -97,8 +97,11 @@ class CornerSlopes {
         const Slopes8* own = slopes_.data() + corners * static_cast<std::size_t>(cell);
         if constexpr (corners == 1) return own[0];
         // Of a side's middle half counts to either end.
-        Slopes8 sum{};
-        for (int k = 0; k < corners; ++k) sum += (value[k] + 0.5 * (value[3 + k] + value[3 + (k + 2) % 3])) * own[k];
+        Slopes8 sum;
+        for (int k = 0; k < corners; ++k) {
+            const double part = value[k] + 0.5 * (value[3 + k] + value[3 + (k + 2) % 3]);
+            for (int c = 0; c < 8; ++c) sum.along[c] += part * own[k].along[c];
+        }
         return sum;
     }
 
@@ -106,7 +109,7 @@ class CornerSlopes {
     std::vector<Slopes8> slopes_;
 };
 
-// The gradient of a displacement at eight points.
+// The gradient of a displacement at several points.
 struct PackedGradient {
     Pack area, xx, xy, yx, yy;  // twice the area; u by x and y, v by x and y
 
@@ -144,13 +147,15 @@ void add_lacking_forces(const DisplacedCells& old, const DisplacedCells& fresh, 
         for (std::size_t k = 0; k < packs.size(); ++k) {
             const auto& p = packs[k];
             Found& f = found[k];
-            Pack there[pack_lanes], dilatation{};
+            Pack there[8 / pack_lanes][pack_lanes], dilatation{};
             for (int lane = 0; lane < pack_lanes; ++lane) {
                 const std::ptrdiff_t point = points.count * e + p.point[lane];
-                there[lane] = before.at(points.found[point], points.values + nodes * point);
+                const Slopes8 own = before.at(points.found[point], points.values + nodes * point);
+                for (int part = 0; part < 8 / pack_lanes; ++part)
+                    std::memcpy(&there[part][lane], own.along + part * pack_lanes, sizeof(Pack));
                 if (means) dilatation[lane] = means[points.found[point]];
             }
-            transpose(there);
+            for (auto& part : there) transpose(part);
             for (Pack& s : f.slope) s = Pack{};
             for (int i = 0; i < nodes; ++i) {
                 const std::size_t node = 2 * static_cast<std::size_t>(cell[i]);
@@ -158,7 +163,7 @@ void add_lacking_forces(const DisplacedCells& old, const DisplacedCells& fresh, 
                 for (int a = 0; a < 2; ++a)
                     for (int c = 0; c < 4; ++c) f.slope[4 * a + c] += own[c] * p.slope[i][a];
             }
-            const PackedGradient was(there), is(f.slope);
+            const PackedGradient was(there[0]), is(f.slope);
             f.xx = was.xx - is.xx, f.yy = was.yy - is.yy, f.shear = was.xy - is.xy + was.yx - is.yx;
             f.part = p.weight * is.area, f.dilatation = f.xx + f.yy;
             if (means) {

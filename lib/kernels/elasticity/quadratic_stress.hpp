@@ -19,16 +19,15 @@ inline void quadratic_stress(const double* X, const double* x, const int32_t* ce
     Pack Xe[2 * nodes], xe[2 * nodes], p[moduli], s[components];
     for (std::ptrdiff_t first = 0; first < ne; first += pack_lanes) {
         const int filled = static_cast<int>(std::min<std::ptrdiff_t>(pack_lanes, ne - first));
+        const int32_t* node[pack_lanes];
         for (int lane = 0; lane < pack_lanes; ++lane) {
             // Lanes beyond the last cell repeat it.
             const std::ptrdiff_t e = first + std::min(lane, filled - 1);
-            for (int i = 0; i < nodes; ++i) {
-                const size_t node = 2 * static_cast<size_t>(cells[nodes * e + i]);
-                set_lane(Xe + 2 * i, lane, X + node, 2);
-                set_lane(xe + 2 * i, lane, x + node, 2);
-            }
+            node[lane] = cells + nodes * e;
             set_lane(p, lane, parameters + e * stride, moduli);
         }
+        gather(node, nodes, 2, X, Xe);
+        gather(node, nodes, 2, x, xe);
         for (std::ptrdiff_t q = 0; q < m; ++q) {
             Solid::packed_stress(Xe, xe, p, at + 2 * q, s);
             for (int lane = 0; lane < filled; ++lane)

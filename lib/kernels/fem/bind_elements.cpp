@@ -164,12 +164,10 @@ void add_packed_residuals(Sizes sizes, const Loop& loop, const int32_t* subset, 
             loop.check(index);
             cell[lane] = loop.cells + index * nodes;
             dof[lane] = loop.dofs + index * nodes;
-            for (int i = 0; i < nodes; ++i) {
-                restshape::set_lane(X + i * dim, lane, loop.X + static_cast<size_t>(cell[lane][i]) * dim, dim);
-                restshape::set_lane(x + i * fields, lane, loop.x + static_cast<size_t>(dof[lane][i]) * fields, fields);
-            }
             if (loop.stride || !first) restshape::set_lane(p, lane, loop.parameters + index * loop.stride, parameters);
         }
+        restshape::gather(cell, nodes, dim, loop.X, X);
+        restshape::gather(dof, nodes, fields, loop.x, x);
         if (loop.coefficients)
             for (int lane = 0; lane < pack_lanes; ++lane) {
                 restshape::gather(cell[lane], nodes, coefficients, loop.coefficients, own);

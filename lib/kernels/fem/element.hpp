@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem/calls.hpp"
+#include "fem/corners.hpp"
 #include "fem/dual.hpp"
 #include "fem/pack.hpp"
 
@@ -87,6 +88,19 @@ inline void gather(const int32_t* cell, int nodes, int columns, const double* fr
 // Numbers of one element after the other, into its lane of packs.
 inline void set_lane(Pack* to, int lane, const double* from, int count) {
     for (int k = 0; k < count; ++k) to[k][lane] = from[k];
+}
+
+// Rows of an array (n, columns) at the nodes of several cells, a lane each.
+inline void gather(const int32_t* const (&cells)[pack_lanes], int nodes, int columns, const double* from, Pack* to) {
+    for (int i = 0; i < nodes; ++i) {
+        // Put together in registers: a pack whose lanes are written one by one is waited for when it is read.
+        if (columns == 2) {
+            corner_of(from, cells, i, to[2 * i], to[2 * i + 1]);
+            continue;
+        }
+        for (int lane = 0; lane < pack_lanes; ++lane)
+            set_lane(to + i * columns, lane, from + static_cast<size_t>(cells[lane][i]) * columns, columns);
+    }
 }
 
 constexpr int max_packed = 12,

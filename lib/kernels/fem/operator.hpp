@@ -238,24 +238,22 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, Scatter s
     for (int first = 0; first < count; first += pack_lanes) {
         const int filled = std::min(pack_lanes, count - first);
         int cells[pack_lanes];
+        const int32_t *node[pack_lanes], *dof[pack_lanes];
         // Lanes beyond the last element repeat it.
         for (int lane = 0; lane < pack_lanes; ++lane) {
-            const int k = first + std::min(lane, filled - 1);
-            cells[lane] = b.element(k);
-            const int32_t* cell = b.nodes_of(cells[lane]);
-            for (int i = 0; i < nodes; ++i)
-                set_lane(X + i * dim, lane, terms.X + static_cast<size_t>(cell[i]) * dim, dim);
+            cells[lane] = b.element(first + std::min(lane, filled - 1));
+            node[lane] = b.nodes_of(cells[lane]), dof[lane] = b.dofs_of(cells[lane]);
         }
+        gather(node, nodes, dim, terms.X, X);
         for (int q = 0; q < term_count; ++q) {
             const Term& t = terms.list[q];
             const int parameters = static_cast<int>(t.element->parameters.size());
             const int coefficients = t.element->coefficient_count();
+            gather(dof, dof_nodes, fields, t.x, x);
             for (int lane = 0; lane < pack_lanes; ++lane) {
                 const int e = cells[lane];
-                for (int i = 0; i < dof_nodes; ++i)
-                    set_lane(x + i * fields, lane, t.x + static_cast<size_t>(b.dofs_of(e)[i]) * fields, fields);
                 if (coefficients) {
-                    gather(b.nodes_of(e), nodes, coefficients, t.coefficients, own);
+                    gather(node[lane], nodes, coefficients, t.coefficients, own);
                     set_lane(w, lane, own, nodes * coefficients);
                 }
                 if (t.parameter_stride || !first)
@@ -275,10 +273,10 @@ void Operator::packed_loop(Sizes sizes, int block, const Terms& terms, Scatter s
         for (int i = 0; i < n; ++i) spread(sum + i * n, n, Ke[0] + i * sizes.stride(), max_packed * padded);
         spread(force, n, re[0], padded);
         for (int lane = 0; lane < filled; ++lane) {
-            const int32_t* dofs = b.dofs_of(cells[lane]);
-            if (flagged_[block][cells[lane]]) constrain(*terms.list.front().element, dofs, 1.0, re[lane], Ke[lane]);
-            if (terms.rhs) subtract(dofs, dof_nodes, fields, 1.0, re[lane], terms.rhs);
-            scatter(first + lane, dofs, Ke[lane]);
+            if (flagged_[block][cells[lane]])
+                constrain(*terms.list.front().element, dof[lane], 1.0, re[lane], Ke[lane]);
+            if (terms.rhs) subtract(dof[lane], dof_nodes, fields, 1.0, re[lane], terms.rhs);
+            scatter(first + lane, dof[lane], Ke[lane]);
         }
     }
 }

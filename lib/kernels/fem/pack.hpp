@@ -6,10 +6,19 @@
 
 namespace restshape {
 
+// As many as one register takes: GCC has longer vectors in memory, and copies them in parts.
+#if defined(__AVX512F__)
 constexpr int pack_lanes = 8;
+#elif defined(__AVX__)
+constexpr int pack_lanes = 4;
+#else
+constexpr int pack_lanes = 2;
+#endif
 
-// GCC's vectors: on processors with shorter registers one takes several of them.
 using Pack = double __attribute__((vector_size(pack_lanes * sizeof(double))));
+using TwoLanes = double __attribute__((vector_size(2 * sizeof(double))));
+using FourLanes = double __attribute__((vector_size(4 * sizeof(double))));
+using EightLanes = double __attribute__((vector_size(8 * sizeof(double))));
 
 [[gnu::always_inline]] inline Pack square_root(Pack a) {
     for (int lane = 0; lane < pack_lanes; ++lane) a[lane] = std::sqrt(a[lane]);
@@ -30,24 +39,42 @@ template <class Lanes>
 inline const Pack& value_of(const Pack& a) { return a; }
 
 // Lane i of rows[j] and lane j of rows[i] change places.
-[[gnu::always_inline]] inline void transpose(Pack (&rows)[pack_lanes]) {
-    Pack pairs[pack_lanes], fours[pack_lanes];
+[[gnu::always_inline]] inline void transpose(EightLanes (&rows)[8]) {
+    EightLanes pairs[8], fours[8];
 #pragma GCC unroll 4
-    for (int i = 0; i < pack_lanes; i += 2) {
+    for (int i = 0; i < 8; i += 2) {
         pairs[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 8, 2, 10, 4, 12, 6, 14);
         pairs[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
     }
 #pragma GCC unroll 4
-    for (int k = 0; k < pack_lanes / 2; ++k) {
+    for (int k = 0; k < 4; ++k) {
         const int i = k / 2 * 4 + k % 2;
         fours[i] = __builtin_shufflevector(pairs[i], pairs[i + 2], 0, 1, 8, 9, 4, 5, 12, 13);
         fours[i + 2] = __builtin_shufflevector(pairs[i], pairs[i + 2], 2, 3, 10, 11, 6, 7, 14, 15);
     }
 #pragma GCC unroll 4
-    for (int i = 0; i < pack_lanes / 2; ++i) {
+    for (int i = 0; i < 4; ++i) {
         rows[i] = __builtin_shufflevector(fours[i], fours[i + 4], 0, 1, 2, 3, 8, 9, 10, 11);
         rows[i + 4] = __builtin_shufflevector(fours[i], fours[i + 4], 4, 5, 6, 7, 12, 13, 14, 15);
     }
+}
+[[gnu::always_inline]] inline void transpose(FourLanes (&rows)[4]) {
+    FourLanes pairs[4];
+#pragma GCC unroll 2
+    for (int i = 0; i < 4; i += 2) {
+        pairs[i] = __builtin_shufflevector(rows[i], rows[i + 1], 0, 4, 2, 6);
+        pairs[i + 1] = __builtin_shufflevector(rows[i], rows[i + 1], 1, 5, 3, 7);
+    }
+#pragma GCC unroll 2
+    for (int i = 0; i < 2; ++i) {
+        rows[i] = __builtin_shufflevector(pairs[i], pairs[i + 2], 0, 1, 4, 5);
+        rows[i + 2] = __builtin_shufflevector(pairs[i], pairs[i + 2], 2, 3, 6, 7);
+    }
+}
+[[gnu::always_inline]] inline void transpose(TwoLanes (&rows)[2]) {
+    const TwoLanes first = rows[0];
+    rows[0] = __builtin_shufflevector(first, rows[1], 0, 2);
+    rows[1] = __builtin_shufflevector(first, rows[1], 1, 3);
 }
 
 // Lane i of n packs to the numbers from to + i * stride, which is a multiple of the lanes, as there is room for.

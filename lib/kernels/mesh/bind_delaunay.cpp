@@ -69,10 +69,10 @@ void bind_mesher(py::module_& m) {
           "sine_bound"_a, "patience"_a,
           "Nodes and triangles of the region left of the border segments, and the segment and the fraction along it of "
           "each node that splits one; these follow the given points. sources: x, y, size, reach.");
-    m.def(
-        "mesher_items", &restshape::cgal::items_made,
-        "How many items of lists the mesher has allocated in this thread, for its next meshes too; 0 where the library "
-        "of C++ does not tell what they are.");
+    m.def("mesher_items", &restshape::cgal::items_made,
+          "How many items of lists the mesher has allocated, for its next meshes too; 0 where the library of C++ does "
+          "not "
+          "tell what they are.");
 }
 #else
 void bind_mesher(py::module_& m) { m.attr("has_cgal") = false; }

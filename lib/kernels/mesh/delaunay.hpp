@@ -107,10 +107,6 @@ struct KeptItems {
         }
     }
 
-    static KeptItems& of_thread() {
-        static thread_local KeptItems kept;
-        return kept;
-    }
     void* take() {
         Place* place = first;
         if (place) {
@@ -130,6 +126,10 @@ struct KeptItems {
     std::int64_t made = 0;
 };
 
+// Of all meshes: Python's lock lets one thread refine at a time.
+template <class Item>
+inline KeptItems<Item> kept_items;
+
 // What an allocator is of which all are alike.
 template <class Item>
 struct KeepingAllocator {
@@ -140,11 +140,11 @@ struct KeepingAllocator {
 
     Item* allocate(std::size_t count) {
         if (count != 1) return static_cast<Item*>(::operator new(count * sizeof(Item)));
-        return static_cast<Item*>(KeptItems<Item>::of_thread().take());
+        return static_cast<Item*>(kept_items<Item>.take());
     }
     void deallocate(Item* item, std::size_t count) {
         if (count != 1) return ::operator delete(item);
-        KeptItems<Item>::of_thread().give(item);
+        kept_items<Item>.give(item);
     }
     // Asked for up to C++17.
     template <class Other, class... Given>
@@ -162,10 +162,8 @@ struct KeepingAllocator {
 using FaceItem = std::_List_node<Face>;
 using SideItem = std::_List_node<Triangulation::Edge>;
 
-// How many items this thread has allocated.
-inline std::int64_t items_made() {
-    return KeptItems<FaceItem>::of_thread().made + KeptItems<SideItem>::of_thread().made;
-}
+// How many items have been allocated.
+inline std::int64_t items_made() { return kept_items<FaceItem>.made + kept_items<SideItem>.made; }
 
 }  // namespace cgal
 }  // namespace restshape
@@ -248,6 +246,10 @@ class CGAL::Double_map<restshape::cgal::Face, restshape::cgal::Quality, Compare,
 namespace restshape {
 namespace cgal {
 
+// The standard library's are compiled before the option for rounding, for which they are called one by one.
+inline double smaller(double a, double b) { return b < a ? b : a; }
+inline double larger(double a, double b) { return a < b ? b : a; }
+
 // Triangles are bad if their longest edge exceeds `stretch` x the size at their centre, or their least angle is below
 // asin(sqrt(sine_bound)).
 class Criteria {
@@ -272,8 +274,9 @@ class Criteria {
             const double abx = b.x() - a.x(), aby = b.y() - a.y(), acx = c.x() - a.x(), acy = c.y() - a.y();
             const double bcx = c.x() - b.x(), bcy = c.y() - b.y();
             const double ab = abx * abx + aby * aby, bc = bcx * bcx + bcy * bcy, ca = acx * acx + acy * acy;
-            const double longest = std::max({ab, bc, ca}), shortest = std::min({ab, bc, ca});
-            const double middle = std::max(std::min(ab, bc), std::min(std::max(ab, bc), ca));
+            const double low = smaller(ab, bc), high = larger(ab, bc);
+            const double longest = larger(high, ca), shortest = smaller(low, ca);
+            const double middle = larger(low, smaller(high, ca));
             const double third = 1.0 / 3.0;
             const double size = criteria_.stretch_ *
                                 criteria_.field_->at((a.x() + b.x() + c.x()) * third, (a.y() + b.y() + c.y()) * third);

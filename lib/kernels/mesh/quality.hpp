@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "fem/corners.hpp"
-#include "fem/register_pack.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -28,22 +28,22 @@ inline CellQuality check_cells(const double* X, const std::int32_t* cells, std::
     const double scale = 2.0 * std::sqrt(3.0);
     constexpr double sides = 3.0 * (1.0 + 1e-12);  // with room for rounding
     CellQuality found;
-    for (std::ptrdiff_t first = 0; first < count; first += register_lanes) {
-        const int size = static_cast<int>(std::min<std::ptrdiff_t>(register_lanes, count - first));
-        const std::int32_t* cell[register_lanes];
-        for (int lane = 0; lane < register_lanes; ++lane) cell[lane] = cells + 3 * (first + std::min(lane, size - 1));
-        RegisterPack x[3], y[3];
+    for (std::ptrdiff_t first = 0; first < count; first += pack_lanes) {
+        const int size = static_cast<int>(std::min<std::ptrdiff_t>(pack_lanes, count - first));
+        const std::int32_t* cell[pack_lanes];
+        for (int lane = 0; lane < pack_lanes; ++lane) cell[lane] = cells + 3 * (first + std::min(lane, size - 1));
+        Pack x[3], y[3];
         for (int i = 0; i < 3; ++i) corner_of(X, cell, i, x[i], y[i]);
-        const RegisterPack ux = x[1] - x[0], uy = y[1] - y[0], vx = x[2] - x[0], vy = y[2] - y[0];
-        const RegisterPack wx = x[2] - x[1], wy = y[2] - y[1];
-        const RegisterPack twice_area = ux * vy - vx * uy;
-        const RegisterPack u = ux * ux + uy * uy, v = vx * vx + vy * vy, w = wx * wx + wy * wy;
-        const RegisterPack longest = larger(larger(u, v), w);
+        const Pack ux = x[1] - x[0], uy = y[1] - y[0], vx = x[2] - x[0], vy = y[2] - y[0];
+        const Pack wx = x[2] - x[1], wy = y[2] - y[1];
+        const Pack twice_area = ux * vy - vx * uy;
+        const Pack u = ux * ux + uy * uy, v = vx * vx + vy * vy, w = wx * wx + wy * wy;
+        const Pack longest = larger(larger(u, v), w);
         const double floor = sides * std::max({found.min_quality, quality_floor, 0.0});
         // Negated comparisons, so that a coordinate that is not a number counts as invalid.
         if (all((scale * twice_area >= floor * longest) & (0.5 * twice_area > area_floor))) continue;
-        const RegisterPack perimeter = square_root(u) + square_root(v) + square_root(w);
-        const RegisterPack quality = scale * twice_area / (perimeter * square_root(longest));
+        const Pack perimeter = square_root(u) + square_root(v) + square_root(w);
+        const Pack quality = scale * twice_area / (perimeter * square_root(longest));
         for (int lane = 0; lane < size; ++lane) {
             found.min_quality = std::min(found.min_quality, quality[lane]);
             found.invalid += !(0.5 * twice_area[lane] > area_floor);

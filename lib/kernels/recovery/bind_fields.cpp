@@ -51,8 +51,8 @@ void require_nodes_of(const restshape::PatchRecovery& patches, const Reals& X) {
 
 template <int components>
 using Values = restshape::PatchRecovery::Values<components>;
-using Nodes = const int32_t * [restshape::register_lanes];
-using Corners = restshape::RegisterPack[2][3];
+using Nodes = const int32_t * [restshape::pack_lanes];
+using Corners = restshape::Pack[2][3];
 
 // A lane of packs to each of these rows of (n, 4): what is not there is 0.
 template <int components>
@@ -77,7 +77,7 @@ void recover(restshape::PatchRecovery& patches, const Reals& X, const Reals& str
     patches.run<4>(
         X.data(), nullptr,
         [of](const int* cells, int, const Nodes&, const Corners&, Values<4>& found) {
-            for (int lane = 0; lane < restshape::register_lanes; ++lane)
+            for (int lane = 0; lane < restshape::pack_lanes; ++lane)
                 for (int i = 0; i < 4; ++i) found[i][lane] = of[4 * static_cast<size_t>(cells[lane]) + i];
         },
         [to](const int* rows, int count, const Values<4>& found) { put<4>(rows, count, found, to); });
@@ -111,9 +111,9 @@ void recover_stresses(restshape::PatchRecovery& patches, const restshape::Triang
         [&](const int* rows, int count, const Values<components>& found) {
             if (to.of_rows) put<components>(rows, count, found, to.of_rows);
             if (!to.equivalent) return;
-            restshape::RegisterPack all[4] = {};
+            restshape::Pack all[4] = {};
             for (int i = 0; i < components; ++i) all[i] = found[i];
-            const restshape::RegisterPack own = restshape::equivalent_stress(all);
+            const restshape::Pack own = restshape::equivalent_stress(all);
             for (int lane = 0; lane < count; ++lane) to.equivalent[rows[lane]] = own[lane];
         });
 }

@@ -43,7 +43,7 @@ struct Energies {
 // Values of one place in one register: six with zeros behind them.
 using Four = double __attribute__((vector_size(4 * sizeof(double))));
 template <int Components>
-using Register = std::conditional_t<Components == 4, Four, Pack>;
+using Register = std::conditional_t<Components == 4, Four, EightLanes>;
 
 // Six in two readings, for what is put together in memory is waited for.
 template <int Components>

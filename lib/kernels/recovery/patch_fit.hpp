@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "fem/register_pack.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -34,12 +34,14 @@ struct PatchFit {
         return (c00 * inverse) * b0[i] + (c01 * inverse) * b1[i] + (c02 * inverse) * b2[i];
     }
 
-    // So far from it.
-    Number at(int i, const Number& along, const Number& across) const {
-        const Number c11 = count * yy - y * y, c12 = x * y - count * xy, c22 = count * xx - x * x;
-        const Number by_x = (c01 * inverse) * b0[i] + (c11 * inverse) * b1[i] + (c12 * inverse) * b2[i];
-        const Number by_y = (c02 * inverse) * b0[i] + (c12 * inverse) * b1[i] + (c22 * inverse) * b2[i];
-        return here(i) + along * by_x + across * by_y;
+    // Its derivatives along the axes.
+    [[gnu::always_inline]] Number by_x(int i) const {
+        const Number c11 = count * yy - y * y, c12 = x * y - count * xy;
+        return (c01 * inverse) * b0[i] + (c11 * inverse) * b1[i] + (c12 * inverse) * b2[i];
+    }
+    [[gnu::always_inline]] Number by_y(int i) const {
+        const Number c12 = x * y - count * xy, c22 = count * xx - x * x;
+        return (c02 * inverse) * b0[i] + (c12 * inverse) * b1[i] + (c22 * inverse) * b2[i];
     }
 };
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "fem/bounds.hpp"
-#include "fem/register_pack.hpp"
+#include "fem/pack.hpp"
 
 namespace restshape {
 
@@ -63,7 +63,7 @@ class PatchRows {
     int first_group(int block) const { return first_group_[block]; }
     Group group(int k) const {
         const Made& one = groups_[k];
-        return {grouped_.data() + static_cast<size_t>(k) * register_lanes, one.filled, one.cells,
+        return {grouped_.data() + static_cast<size_t>(k) * pack_lanes, one.filled, one.cells,
                 places_.data() + one.first};
     }
 
@@ -99,7 +99,7 @@ class PatchRows {
             first_[row + 1] += first_[row];
         }
         for (size_t block = 1; block < block_.size(); ++block)
-            block_[block] = block_[block - 1] + (block_[block] + register_lanes - 1) / register_lanes * register_lanes;
+            block_[block] = block_[block - 1] + (block_[block] + pack_lanes - 1) / pack_lanes * pack_lanes;
         return inner;
     }
 
@@ -169,15 +169,15 @@ class PatchRows {
     void group(const std::vector<int>& rows) {
         for (size_t k = 0, end; k < rows.size(); k = end) {
             const int cells = around(rows[k]);
-            for (end = k + 1; end < rows.size() && end - k < register_lanes && around(rows[end]) == cells;) ++end;
+            for (end = k + 1; end < rows.size() && end - k < pack_lanes && around(rows[end]) == cells;) ++end;
             groups_.push_back({static_cast<int>(end - k), cells, places_.size()});
-            grouped_.resize(grouped_.size() + register_lanes);
-            places_.resize(places_.size() + static_cast<size_t>(cells) * register_lanes);
-            int* own = &*grouped_.end() - register_lanes;
-            int32_t* place = &*places_.end() - static_cast<size_t>(cells) * register_lanes;
-            for (int lane = 0; lane < register_lanes; ++lane) {
+            grouped_.resize(grouped_.size() + pack_lanes);
+            places_.resize(places_.size() + static_cast<size_t>(cells) * pack_lanes);
+            int* own = &*grouped_.end() - pack_lanes;
+            int32_t* place = &*places_.end() - static_cast<size_t>(cells) * pack_lanes;
+            for (int lane = 0; lane < pack_lanes; ++lane) {
                 own[lane] = rows[std::min(k + lane, end - 1)];
-                for (int i = 0; i < cells; ++i) place[i * register_lanes + lane] = around_[first_[own[lane]] + i];
+                for (int i = 0; i < cells; ++i) place[i * pack_lanes + lane] = around_[first_[own[lane]] + i];
             }
         }
     }

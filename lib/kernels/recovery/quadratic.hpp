@@ -46,7 +46,7 @@ class QuadraticPatchRecovery {
 
     // The cells around a corner.
     struct Patch {
-        Pack m[terms] = {};                                             // the lower triangle in the first lanes
+        EightLanes m[terms] = {};                                       // the lower triangle in the first lanes
         Value b[terms] = {Value::Zero(), Value::Zero(), Value::Zero(),  // moments of the values, then the polynomial
                           Value::Zero(), Value::Zero(), Value::Zero()};
         int64_t balance = 0;  // 0 where cells go all the way around: each neighbour follows and precedes one
@@ -100,14 +100,14 @@ class QuadraticPatchRecovery {
 
     // Adds the moments of a cell's samples, which stay in registers until all of them are added.
     static void take(Patch& p, const double* corner, const double (&at)[Samples::points][2], const double* values) {
-        Pack m[terms];
+        EightLanes m[terms];
         Value b[terms];
         std::copy_n(p.m, terms, m);
         std::copy_n(p.b, terms, b);
         for (int s = 0; s < Samples::points; ++s) {
             double f[terms];
             monomials(at[s][0] - corner[0], at[s][1] - corner[1], f);
-            const Pack all = {f[0], f[1], f[2], f[3], f[4], f[5]};
+            const EightLanes all = {f[0], f[1], f[2], f[3], f[4], f[5]};
             const Value value = Eigen::Map<const Value>(values + 4 * s);
             for (int i = 0; i < terms; ++i) {
                 m[i] += f[i] * all;
@@ -188,7 +188,7 @@ class QuadraticPatchRecovery {
         const int wanted = p.balance == 0 ? terms : linear;
         int rank = 0;
         for (; rank < wanted; ++rank) {
-            Pack& row = p.m[rank];
+            EightLanes& row = p.m[rank];
             const double whole = row[rank];
             for (int j = 0; j < rank; ++j) {
                 for (int k = 0; k < j; ++k) row[j] -= row[k] * p.m[j][k];
