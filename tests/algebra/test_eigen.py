@@ -33,6 +33,16 @@ def matrix(dense: np.ndarray) -> PETSc.Mat:
     return PETSc.Mat().createAIJ((n, n), csr=(indptr, indices, dense.ravel()), comm=PETSc.COMM_SELF)
 
 
+def test_pivots_of_little_things_are_no_zeros():
+    # Sheets of micrometres have stiffnesses of 1e-15 N m, below what PETSc takes for a zero whatever the unit.
+    stiffness, mass, _ = spring_chain(12)
+    stiffness.scale(1e-16)
+    mass.scale(1e-16)
+    pencil = Pencil(Stages())
+    pencil.set_matrices(stiffness, mass, True)
+    assert pencil.factor(float(chain_values(12, 2).mean())) == 2
+
+
 def chain_values(n: int, count: int) -> np.ndarray:
     """Eigenvalues of a free chain of unit springs, that of the rigid motion left out (closed form)."""
     return 4.0 * np.sin(np.arange(1, count + 1) * np.pi / (2 * n)) ** 2

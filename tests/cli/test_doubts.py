@@ -64,6 +64,13 @@ def test_nothing_is_odd_about_steel_and_its_mass_is_known(tmp_path):
     assert warned(scene) == [] and seen.data["mass"] == pytest.approx(2.0 * 1.0 * 0.01 * 7850)
 
 
+def test_a_size_near_an_entity_that_is_coarser_than_all_others_changes_nothing(tmp_path):
+    near = "near = { left = {} }\n"
+    assert warned(scene_of(tmp_path, change=("size = 0.2\n", "size = 0.2\n" + near.replace("{}", "0.1")))) == []
+    found = warned(scene_of(tmp_path, change=("size = 0.2\n", "size = 0.2\n" + near.replace("{}", "0.4"))))
+    assert len(found) == 1 and found[0].startswith("mesh.near.left: 0.4 m is more than mesh.size, 0.2 m")
+
+
 @pytest.mark.parametrize(
     ("values", "words"),
     [

@@ -113,6 +113,13 @@ def test_scenes_below_absolute_zero_are_refused_by_key(tmp_path, text, key):
     assert key in caught.value.where
 
 
+def test_a_list_fixes_no_temperature(tmp_path):
+    text = WALL.replace('{ temperature = "TEXT" }', '["temperature"]')
+    with pytest.raises(UserError, match="absolute zero") as caught:
+        load_scene(write_scene(tmp_path, text))
+    assert caught.value.where.startswith("scene.toml: supports.w.fix") and '"20 degC"' in caught.value.do
+
+
 def test_a_formula_of_places_is_refused_where_it_falls_below(tmp_path):
     with pytest.raises((UserError, ReplayProblem), match=r"supports\.w\.fix\.temperature: a temperature of -5 K"):
         solved(tmp_path, WALL.replace("TEXT", "10 - 15*x - 15"))

@@ -101,6 +101,7 @@ def test_overrides(scene_file, override, read):
         ("mesh.size=nan", "not a finite number"),
         ("mesh.size=0", "greater than 0"),
         ("mesh.size=-1 mm", "greater than 0"),
+        ("shape.edges.left.line=['d']", "the names of two vertices"),
     ],
 )
 def test_bad_overrides(scene_file, override, message):

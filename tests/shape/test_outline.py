@@ -165,6 +165,8 @@ def test_names_address_what_they_name():
         ({"holes": {"window": {"circle": {"center": [2, 0.9], "radius": 0.2}}}}, "cross"),
         ({"holes": {"bottom": {"circle": {"center": [0.5, 0.5], "radius": 0.2}}}}, "used twice"),
         ({"points": {"probe": [0.5, 0.5]}}, "inside hole window"),
+        ({"points": {"probe": [1.0, 0.5], "other": [1.0, 0.5001]}}, "points probe and other would come closer"),
+        ({"holes": {"o": {"polygon": [[0.4, 0.4], [0.6, 0.4], [0.6, 0.6], [0.4, 0.4]]}}}, "ends with its first corner"),
         ({"groups": {"pair": ["windoww"]}}, "no entity"),
         ({"vertices": {**PLATE["vertices"], "lone": [0.1, 0.1]}}, "belongs to no edge"),
         ({"vertices": {**PLATE["vertices"], "b": [0, 0]}}, "zero length"),

@@ -144,6 +144,8 @@ def order_factor(pc: PETSc.PC, blocks: bool = True) -> None:
     else:
         pc.setFactorSolverType("petsc")
         pc.setFactorOrdering("amd")
+        # PETSc's least pivot is one of no unit: a sheet of micrometres has smaller ones, which are no zeros.
+        pc.setFactorPivot(zeropivot=0.0)
 
 
 def _factor_options(kind: str, levels: int, blocks: bool, shifts: bool) -> dict[str, object]:

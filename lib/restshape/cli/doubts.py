@@ -115,6 +115,12 @@ def _sizes(scene: Scene, size: float) -> Iterator[str]:
         # `bare_numbers` looks at those without a unit.
         if length is not None and length > size and isinstance(written.get(key), str):
             yield f"{key}: {length:g} m is more than the {size:.3g} m of the whole shape: is its unit right?"
+    for name, length in scene.mesh.near.items():
+        if scene.mesh.size is not None and scene.mesh.size < length <= size:
+            yield (
+                f"mesh.near.{name}: {length:g} m is more than mesh.size, {scene.mesh.size:g} m, and changes nothing: "
+                "sizes near entities make the mesh finer there; raise mesh.size, and give all others a size"
+            )
 
 
 def _low_limits(scene: Scene, size: float) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """What a scene holds, as validated models."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self, get_args
 
@@ -219,9 +219,19 @@ class Material(Strict):
         return named(raw, cls.known, cls.model_fields)
 
 
-def read_fix(raw: object) -> Table:
-    """What is constrained, as a table of values."""
+def read_fix(raw: object, warm: Collection[str] = ()) -> Table:
+    """What is constrained, as a table of values: a list stands for zeros.
+
+    Args:
+        warm: unknowns that are temperatures, whose zero nobody means.
+
+    Raises:
+        UnitError: it is neither a table nor a list of names, or a list that names a temperature.
+    """
     if isinstance(raw, list) and raw and all(isinstance(component, str) for component in raw):
+        if named := [component for component in raw if component in warm]:
+            what = f"a list fixes {named[0]} at 0 K, which is absolute zero"
+            raise UnitError(what, f'give it a value, as in fix = {{ {named[0]} = "20 degC" }}')
         return dict.fromkeys(raw, 0.0)
     if not isinstance(raw, dict) or not raw:
         raise UnitError(f'directions such as ["x", "y"], or a table such as {{ x = 0, y = "1 mm" }}, not {raw!r}')

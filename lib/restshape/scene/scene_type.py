@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from types import GenericAlias
 from typing import Annotated, Literal, TypeVar
 
@@ -139,7 +139,8 @@ def support_type(support: type[Support], boundary: Mapping[str, str]) -> type[Su
         "anyOf": [{"type": "array", "items": {"enum": list(boundary)}}, {"type": "object"}],
         "description": "components, with their values",
     }
-    fix = annotated(components, BeforeValidator(read_fix), WithJsonSchema(schema))
+    warm = frozenset(key for key, of in boundary.items() if of == "temperature")
+    fix = annotated(components, BeforeValidator(partial(read_fix, warm=warm)), WithJsonSchema(schema))
     made = extended(support, {"fix": (fix, {})}, name="Support")
     made.boundary = boundary
     return made

@@ -84,6 +84,8 @@ IN_SHAPE = [(key,) for key in ("outline", "vertices", "edges", "holes", "regions
 """Keys of [shape], where they stand at the top of a scene."""
 AXES = {2: "two numbers [x, y]", 3: "three numbers [x, y, z]"}
 """Lists of numbers that are most often wanted, by their count."""
+EDGES, VERTICES = ("line", "arc", "spline", "polyline"), 'the names of two vertices ["a", "b"]'
+"""Kinds of edges, whose lists are no numbers, and what these lists hold."""
 
 
 def whole_lists(found: Sequence[ErrorDetails]) -> list[ErrorDetails]:
@@ -123,7 +125,8 @@ def plain(details: ErrorDetails) -> tuple[str, str]:
     match kind:
         case "missing" if isinstance(details["loc"][-1], int):
             count = context["count"]
-            what = f"{AXES.get(count, f'{count} entries')} are wanted here, and there are fewer"
+            wanted = VERTICES if details["loc"][-2] in EDGES else AXES.get(count, f"{count} entries")
+            what = f"{wanted} are wanted here, and there are fewer"
             return what, _of_length(given, count)
         case "missing":
             return f"the key {str(details['loc'][-1])!r} is missing", "add it"

@@ -154,8 +154,14 @@ def add_circle(draft: Draft, name: str, kind: str, center: tuple[float, float], 
 
 
 def add_polygon(draft: Draft, name: str, kind: str, corners: list[tuple[float, float]]) -> None:
-    """Adds a loop of straight edges to a draft: ``NAME.1`` ... through vertices ``NAME.v1`` ..."""
+    """Adds a loop of straight edges to a draft: ``NAME.1`` ... through vertices ``NAME.v1`` ...
+
+    Raises:
+        UserError: a name is in use, or the first corner comes again as the last one.
+    """
     n = len(corners)
+    if n > 1 and tuple(corners[0]) == tuple(corners[-1]):
+        raise UserError(f"polygon {name!r} ends with its first corner", do="leave that out: a polygon closes by itself")
     for i, (x, y) in enumerate(corners, 1):
         _claim(draft, f"{name}.v{i}")
         draft.vertices[f"{name}.v{i}"] = (float(x), float(y))

@@ -43,9 +43,7 @@ class MotionCheck:
     def problem(self, c: tuple[float, float] = (0.0, 0.0)) -> str | None:
         """What is wrong with the shape at the coefficients c; None when it is valid."""
         found = self._check.check(c[0], c[1])
-        if found is None:
-            return None
-        if found[0] == "resample":
+        if found is not None and found[0] == "resample":
             now = self.outline if self.gesture is None else self.outline.moved(self.gesture.points(c))
             try:
                 self._check = self._kernel(now)
@@ -53,9 +51,10 @@ class MotionCheck:
                 return error.what
             self._check.settle(c[0], c[1])
             found = self._check.check(c[0], c[1])
-        if found is None:
+        if found is None and len(self.outline.embedded) < 2:
             return None
-        return describe(self.outline if self.gesture is None else self.outline.moved(self.gesture.points(c)), found)
+        now = self.outline if self.gesture is None else self.outline.moved(self.gesture.points(c))
+        return _meeting_points(now) if found is None else describe(now, found)
 
     def _kernel(self, sampled: Outline) -> _kernels.OutlineCheck:
         outline, gesture, size = self.outline, self.gesture, self.outline.size
@@ -103,6 +102,17 @@ class MotionCheck:
             if moves[controls].any():
                 states[i] = WHOLE if gesture.whole[controls].all() else BENDING
         return states
+
+
+def _meeting_points(outline: Outline) -> str | None:
+    """That two embedded points of a shape are at one place, or nearly; None where none are."""
+    spots, gap = list(outline.embedded), CLEARANCE * outline.size
+    apart = np.linalg.norm(outline.points[spots][:, None] - outline.points[spots], axis=2)
+    one, other = np.nonzero(np.triu(apart < gap, 1))
+    if not len(one):
+        return None
+    names = [outline.vertex_names[spots[k]] for k in (one[0], other[0])]
+    return f"points {' and '.join(names)} would come closer than {gap:.2g} m"
 
 
 def problem(outline: Outline, moved_points: Reals | None = None) -> str | None:
