@@ -149,12 +149,13 @@ def sanitized() -> bool:
 
 
 def system_headers(cgal: str | None) -> list[str]:
-    """Options for the headers of others, which the compiler shall not warn of."""
+    """Options for the headers of others, and for what the compiler shall not warn of."""
     # The default folder must not come before those of the compiler itself.
     folders = [eigen_folder(), *([cgal] if cgal not in (None, "/usr/include") else [])]
+    # Packs of eight numbers are inlined, so that no call hangs on how a processor without AVX-512 hands them over.
     # GCC's AVX-512 intrinsics begin with values that they do not set; what they say against warnings of it is lost
     # where the header is compiled before.
-    return ["-Wno-maybe-uninitialized", *(word for folder in folders for word in ("-isystem", folder))]
+    return ["-Wno-psabi", "-Wno-maybe-uninitialized", *(word for folder in folders for word in ("-isystem", folder))]
 
 
 def own_folders() -> list[str]:
