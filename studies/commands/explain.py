@@ -137,16 +137,16 @@ def solvers(plan: dict[str, Any]) -> list[tuple[str, str, str]]:
 
 
 def kernels(rows: list[dict[str, Any]]) -> list[tuple[str, str]]:
-    """Kernels that effects call, for people; those that an effect takes away from another one have a minus."""
+    """Kernels that effects call, for people, and those of another effect that these stand in place of."""
     found = []
     for row in rows:
-        frames = row["frames"]
-        calls = [
-            f"{name} {purpose} {times / frames:.3g} x {elements / times:.0f}"
-            for name, purposes in row["kernels"].items()
-            for purpose, (times, elements) in purposes.items()
-            if times
-        ]
-        if calls:
-            found.append((row["effect"], ", ".join(calls)))
+        made: dict[bool, list[str]] = {False: [], True: []}
+        for name, purposes in row["kernels"].items():
+            for purpose, (times, elements) in purposes.items():
+                if times:
+                    words = f"{name} {purpose} {abs(times) / row['frames']:.3g} x {elements / times:.0f}"
+                    made[times < 0].append(words)
+        words = [f"{'in place of ' if taken else ''}{', '.join(calls)}" for taken, calls in made.items() if calls]
+        if words:
+            found.append((row["effect"], "; ".join(words)))
     return found

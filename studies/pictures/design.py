@@ -35,7 +35,8 @@ def draw_derivative(name: str, found: Mapping[str, Any], path: Path) -> None:
         xlabel="step of the differences / size of the shape", ylabel="distance from the derivative by dual numbers"
     )
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
-    axes.legend(loc="lower left")
+    if axes.lines:
+        axes.legend(loc="lower left")
     title = f"{name}: three ways to the design derivative, {found['unknowns']:,} unknowns"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)
@@ -64,7 +65,8 @@ def draw_drape(name: str, found: Mapping[str, Any], path: Path) -> None:
         xlabel="step of the hand, or way of a node, / size of the cloth", ylabel="remainder / norm of the derivative"
     )
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
-    axes.legend(loc="upper left", fontsize=5)
+    if axes.lines:
+        axes.legend(loc="upper left", fontsize=5)
     title = f"{name}: what is beyond derivatives of the drape, {found['nodes']:,} nodes"
     figure.suptitle(title, x=0.01, ha="left", color=INK)
     save_picture(figure, path)

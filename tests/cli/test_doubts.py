@@ -72,6 +72,24 @@ def test_a_size_near_an_entity_that_is_coarser_than_all_others_changes_nothing(t
 
 
 @pytest.mark.parametrize(
+    ("quantity", "words"),
+    [
+        ('{ displacement = "x", at = "right", reduce = "sum" }', 'reduced by "sum"'),
+        ('{ displacement = "x", at = "b", reduce = "sum" }', None),
+        ('{ reaction = "x", at = "left" }', None),
+        ('{ reaction = "x", at = "a" }', None),
+        ('{ reaction = "y", at = "top" }', None),
+        ('{ reaction = "x", at = "outline" }', None),
+        ('{ reaction = "x", at = "all" }', None),
+        ('{ reaction = "x", at = "right" }', "no support that fixes x is at right"),
+    ],
+)
+def test_quantities_of_the_mesh_or_of_nothing_are_named(tmp_path, quantity, words):
+    found = warned(scene_of(tmp_path, more=f"[quantities]\nr = {quantity}\n"))
+    assert len(found) == bool(words) and all(words in one for one in found)
+
+
+@pytest.mark.parametrize(
     ("values", "words"),
     [
         ({"E": "210"}, "stiffness of 210 Pa"),

@@ -44,6 +44,7 @@ def doubts(scene: Scene, outline: Outline) -> list[str]:
         *_sizes(scene, _size(outline)),
         *_values(scene, outline),
         *_limits_in_time(scene),
+        *_sums(scene, outline),
         *_mesh(scene, outline),
         *_drawing(scene, outline),
         *_curves(scene, outline),
@@ -195,6 +196,19 @@ def _limits_in_time(scene: Scene) -> Iterator[str]:
             yield (
                 f"quantities.{name}: its limit is compared with the end of each frame alone, not the {max(steps)} time "
                 'steps in it: set reduce = "peak", the largest size over all of them'
+            )
+
+
+def _sums(scene: Scene, outline: Outline) -> Iterator[str]:
+    """Sums over nodes of what is no total: they are of the mesh, not of the body."""
+    for name, quantity in scene.quantities.items():
+        if quantity.reduce != "sum" or quantity.kinds[quantity.kind].reduce == "sum":
+            continue
+        place = outline.entity(quantity.at) if quantity.at else None
+        if place is None or place.edges or place.loops or len(place.vertices) > 1:
+            yield (
+                f'quantities.{name}: a {quantity.kind} reduced by "sum" is added up over nodes, and grows as the mesh '
+                'gets finer: "mean", "max" and "min" do not'
             )
 
 

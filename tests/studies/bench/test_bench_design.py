@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from drape_designs import BALL, HELD, sheet
 from restshape_studies.commands import bench
+from restshape_studies.pictures.design import draw_derivative, draw_drape
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.scene.load import load_scene
@@ -179,3 +180,13 @@ def test_derivatives_of_a_drape_by_one_number_and_times_alone(tmp_path, command)
     assert not list((tmp_path / "pictures").iterdir())
     done = command(*words, "--by", "material.cotton.colour")
     assert done.returncode == 2 and "is no number of this scene" in done.stderr
+
+
+@pytest.mark.filterwarnings("error")
+def test_pictures_without_a_point_have_no_legend(tmp_path):
+    exact = {"steps": [0.1], "forward": [0.0], "central": [0.0], "semi": [0.0], "unknowns": 6}
+    draw_derivative("still", exact, tmp_path / "derivative.png")
+    draw_drape(
+        "still", {"steps": [0.1], "remainders": [[0.0]] * 2, "numbers": None, "nodes": 4}, tmp_path / "drape.png"
+    )
+    assert (tmp_path / "derivative.png").stat().st_size and (tmp_path / "drape.png").stat().st_size

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from jobs_here import jobs_run_here
+from restshape_studies.commands.explain import kernels
 from small_scenes import across, drag, plate, write_scene, write_script
 
 from restshape.application import application
@@ -171,3 +172,10 @@ def test_what_check_warns_of_in_a_scene_is_noted(tmp_path, capsys):
     assert main(["check", str(scene)]) == 0
     lines = [line.partition("warning")[2].strip() for line in capsys.readouterr().out.splitlines() if "warning" in line]
     assert lines and all(f"note: {line}" in warned for line in lines)
+
+
+def test_kernels_that_an_effect_replaces_are_no_negative_calls():
+    made = {"stvk_tri6": {"tangent": [8, 80]}, "linear_elastic_tri6": {"tangent": [-4, -40], "residual": [0, 0]}}
+    row = {"effect": "large_deformation", "frames": 4, "kernels": made}
+    words = "stvk_tri6 tangent 2 x 10; in place of linear_elastic_tri6 tangent 1 x 10"
+    assert kernels([row]) == [("large_deformation", words)]

@@ -47,7 +47,7 @@ def inspect_solid(scene: Scene, outline: Outline) -> Inspection:
     places = places_of_quantities(scene, outline)
     seen = inspect_body(scene, outline)
     warnings = [warning(name, scene.quantities[name], there) for name, there in places.items()]
-    warnings = [*seen.warnings, *_unloaded(scene), *warnings]
+    warnings = [*seen.warnings, *_unloaded(scene), *_reactions_of_nothing(scene, outline), *warnings]
     return Inspection(seen.data, seen.rows, tuple(warnings), *worst_places(places))
 
 
@@ -61,6 +61,35 @@ def _unloaded(scene: Scene) -> Iterator[str]:
         yield f"{nothing}: all answers are 0 until an edit sets one; add [loads.NAME] or [effects.gravity]"
     elif "dynamics" in scene.effects:
         yield f"{nothing}: nothing moves until an edit does; add [loads.NAME], [effects.gravity] or [effects.ground]"
+
+
+def _reactions_of_nothing(scene: Scene, outline: Outline) -> Iterator[str]:
+    """Reactions at rest where no support fixes their direction: these are 0."""
+    if "dynamics" in scene.effects:
+        return
+    for name, quantity in scene.quantities.items():
+        if quantity.kind != "reaction":
+            continue
+        axis = quantity.reaction
+        places = [on for support in scene.supports.values() if axis in support.fix for on in support.on]
+        if not any(_meet(outline, quantity.at, on) for on in places):
+            yield (
+                f"quantities.{name}: no support that fixes {axis} is at {quantity.at}: the reaction there is 0 until "
+                "an edit adds one; name the place of a support"
+            )
+
+
+def _meet(outline: Outline, one: str | None, other: str) -> bool:
+    """Whether two entities have a vertex or an edge in common, or one covers an area."""
+    if one in (None, "all") or other == "all":
+        return True
+    nodes = []
+    for entity in (outline.entity(one), outline.entity(other)):
+        if any(outline.loops[loop].kind == "region" for loop in entity.loops):
+            return True
+        ends = (end for e in entity.edges for end in (outline.edges[e].start, outline.edges[e].end))
+        nodes.append({*entity.vertices, *ends})
+    return bool(nodes[0] & nodes[1])
 
 
 def inspect_motion(scene: Scene, outline: Outline) -> Inspection:
