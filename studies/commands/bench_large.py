@@ -29,7 +29,7 @@ def declare(parser: argparse.ArgumentParser) -> None:
     what = "about how many in each case (default: 1e6 in the plane and in motion, 3e5 in space)"
     parser.add_argument("--unknowns", type=float, default=None, metavar="N", help=what)
     what = "that a replay may take (default: %(default)g)"
-    parser.add_argument("--seconds", type=float, default=300.0, metavar="S", help=what)
+    parser.add_argument("--seconds", type=float, default=600.0, metavar="S", help=what)
 
 
 def check(args: argparse.Namespace) -> None:

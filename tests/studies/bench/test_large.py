@@ -1,11 +1,14 @@
 """`restshape bench large` on small meshes: drags in the plane, in space and in motion; no time is asserted."""
 
 import json
+from pathlib import Path
 
 import pytest
 from restshape_studies.bench.job import Outcome
-from restshape_studies.bench.large import CASES, ratios, study
+from restshape_studies.bench.large import CASES, ENOUGH, ratios, study
 
+from restshape.application import applications
+from restshape.cli.shipped import named_scenes
 from restshape.errors import UserError
 
 
@@ -58,3 +61,23 @@ def test_a_case_without_a_first_frame_says_why(tmp_path):
     given = (CASES["plane"], tmp_path / "a.toml", 500.0, tmp_path, (), 9.0, lambda words: None)
     with pytest.raises(UserError, match="killed by the system"):
         study(*given, lambda job, seconds: Outcome([], "killed by the system, as when memory runs out"))
+
+
+def test_what_a_policy_took_is_said_before_the_next_one_begins(tmp_path):
+    """So that it is known though a later one is stopped; frames of slow policies are fewer where each takes minutes."""
+    said, asked = [], []
+
+    def play(job, seconds):
+        asked.append(job.details)
+        if job.policy == "rebuild":
+            return Outcome([], "stopped after 9 s")
+        found = {"unknowns": 500, "frames": 2, "first_cpu_ms": 1500.0, "cpu_ms": 40.0, "peak_mb": 90.0}
+        return Outcome([], "", found)
+
+    case, installed = CASES["space"], [path for app in applications().values() for path in app.scenes()]
+    (scene,) = named_scenes([Path(case.scene)], installed)
+    study(case, scene, 500.0, tmp_path, (), 9.0, said.append, play)
+    assert said[1] == "auto: first frame 1,500 ms of the processor; 2 frames, each 40 ms; 90 MB"
+    assert said[5] == "rebuild: stopped after 9 s" and "predicted" in said[6]
+    assert [one["frames"] for one in asked] == [0, 50, 1, 1, 50]
+    assert {one["seconds"] for one in asked[1:]} == {ENOUGH * 9.0}
