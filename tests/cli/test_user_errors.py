@@ -271,3 +271,15 @@ def test_a_column_that_buckles_at_once_goes_to_the_side_of_a_small_load(folder, 
     said = capsys.readouterr()
     if code:
         assert "such an equilibrium is unstable" in said.err and "a thousandth as large" in said.err
+
+
+def test_a_column_that_an_edit_makes_buckle_is_said_what_to_do_about(folder, capsys):
+    column = ["shape.vertices.b.0=20", "shape.vertices.c.0=20", "effects.large_deformation={}", "mesh.size=1"]
+    pushed = ["loads.pull={on='right',force=['-400 N',0]}", "material.steel.E='0.1 GPa'"]
+    header = {"format": "restshape-edits", "version": 1, "scene": "plate.toml"}
+    event = {"t": 0, "do": "set", "key": "loads.pull.force.0", "value": "-750 N"}
+    (folder / "push.jsonl").write_text("\n".join(map(json.dumps, (header, event))) + "\n")
+    words = [part for one in (*column, *pushed) for part in ("--set", one)]
+    assert main(["replay", str(folder / "plate.toml"), str(folder / "push.jsonl"), *words]) == 0
+    said = capsys.readouterr().out
+    assert "such an equilibrium is unstable (lower the loads, or add one across them" in said

@@ -29,6 +29,8 @@ from restshape.shape.script_frame import ScriptFrame
 
 STAGE_COLUMNS = tuple((name, f"ms_{name}") for name in NAMES)
 NATIVE = ("relocate", "map", "flip", "mesh", "pattern", "values", "factor", "krylov", "observe")
+AT_BUCKLING = "lower the loads, or add one across them, a thousandth as large, that says to which side it buckles"
+"""What to do where an equilibrium is unstable."""
 
 
 class Replay:
@@ -125,7 +127,7 @@ class Replay:
                 raise _without_solution(edit, problem, self._petsc) from (
                     None if isinstance(problem, UserError) else problem
                 )
-            refused = problem.one_line if isinstance(problem, UserError) else str(problem)
+            refused = problem.one_line if isinstance(problem, UserError) else _refusal(problem)
             log_refused(edit, refused)
             solver.rollback()
             if edit.change != "none":
@@ -175,13 +177,18 @@ class Replay:
         row["ms_record"], row["ms"] = (now - begin) * 1e3, (now - start) * 1e3
 
 
+def _refusal(problem: ReplayProblem) -> str:
+    """What is said of a later frame that has a problem, with what to do about it where that is known."""
+    return f"{problem} ({AT_BUCKLING})" if INDEFINITE in str(problem) else str(problem)
+
+
 def _without_solution(edit: ScriptFrame, problem: ReplayProblem | UserError, petsc: Sequence[str]) -> UserError:
     """What is said of a first frame that has a problem; `petsc` are the user's words for PETSc."""
     if isinstance(problem, UserError):
         return edit.scene.located(problem)
     mend = "mend the scene: its first shape has no solution"
     if INDEFINITE in str(problem):
-        mend = "lower the loads, or add one across them, a thousandth as large, that says to which side it buckles"
+        mend = AT_BUCKLING
     if followed := of_solvers(petsc):
         do = f"leave these words out, for solvers follow them; where that does not help, {mend}"
         return UserError(str(problem), f"-- {' '.join(followed)}", do)
