@@ -102,6 +102,7 @@ def test_overrides(scene_file, override, read):
         ("mesh.size=0", "greater than 0"),
         ("mesh.size=-1 mm", "greater than 0"),
         ("shape.edges.left.line=['d']", "the names of two vertices"),
+        ("supports.wall.fix=x", r"are wanted here, not 'x'\n  try: write fix = \[\"x\"\]"),
     ],
 )
 def test_bad_overrides(scene_file, override, message):

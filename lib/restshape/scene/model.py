@@ -234,7 +234,10 @@ def read_fix(raw: object, warm: Collection[str] = ()) -> Table:
             raise UnitError(what, f'give it a value, as in fix = {{ {named[0]} = "20 degC" }}')
         return dict.fromkeys(raw, 0.0)
     if not isinstance(raw, dict) or not raw:
-        raise UnitError(f'directions such as ["x", "y"], or a table such as {{ x = 0, y = "1 mm" }}, not {raw!r}')
+        what = (
+            f'directions such as ["x", "y"], or a table such as {{ x = 0, y = "1 mm" }}, are wanted here, not {raw!r}'
+        )
+        raise UnitError(what, f'write fix = ["{raw}"]' if isinstance(raw, str) else "")
     return raw
 
 
