@@ -78,3 +78,13 @@ def test_triangles_of_half_of_the_cloth_are_warned_of(tmp_path, capsys):
     assert main(["check", scene, "--set", "mesh.size=25"]) == 0
     words = " ".join(capsys.readouterr().out.split())
     assert words.count("warning mesh.size") == 1 and "no folds" not in words
+
+
+def test_cloth_as_heavy_as_a_wall_is_warned_of(tmp_path, capsys):
+    """A thickness of 0.5 in a scene that is drawn in millimetres is half a metre."""
+    scene = str(write_cloth(tmp_path, PIN))
+    for thickness, words in (("0.5", "200 kg/m^2"), ("1e-9", "4e-07 kg/m^2"), ("'5 mm'", None)):
+        assert main(["check", scene, "--set", f"material.cotton.thickness={thickness}"]) == 0
+        said = " ".join(capsys.readouterr().out.split())
+        assert (f"{words}, which is rho times thickness, is no cloth's" in said) == bool(words)
+        assert ("is no cloth's" in said) == bool(words)

@@ -10,6 +10,7 @@ from restshape.scene import overrides
 from restshape.scene.load import load_scene, remade, revise
 from restshape.scene.overrides import branched, put
 from restshape.scene.source import split_key
+from restshape.shape.gradual import sweep
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 
@@ -89,3 +90,15 @@ def test_keys_of_all_scenes_are_set_without_the_tables_of_physics(monkeypatch):
             put({"loads": {}} | raw, key, 1.0, "a test")
     with pytest.raises(ZeroDivisionError):
         put(raw, ("bodies", "cube", "size"), 1.0, "a test")
+
+
+def test_a_support_that_lists_its_directions_takes_a_number_of_one():
+    scene = load_scene(EXAMPLES / "bracket.toml")
+    listed = scene.raw["supports"]["wall"]["fix"]
+    pulled = revise(scene, "supports.wall.fix.x", "2 mm")
+    assert listed == scene.raw["supports"]["wall"]["fix"] == ["x", "y"]
+    assert pulled.supports["wall"].fix == {"x": 2e-3, "y": 0.0}
+    half = sweep(scene, "supports.wall.fix.x", "2 mm")(scene, 0.5)
+    assert half.supports["wall"].fix == pytest.approx({"x": 1e-3, "y": 0.0})
+    with pytest.raises(UserError, match="no place in it"):
+        revise(scene, "shape.outline.x", 1.0)

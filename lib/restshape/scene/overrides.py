@@ -49,6 +49,7 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
     """
     if not key:
         raise UserError("there is no key", where, "write a dotted key such as material.steel.E")
+    _spread_directions(raw, key)
     here: object = raw
     left_out = False
     for depth, part in enumerate(key):
@@ -81,6 +82,17 @@ def put(raw: Table, key: tuple[str, ...], value: object, where: str, adds: bool 
         else:
             left_out = part not in here
             here = here.setdefault(part, {})
+
+
+def _spread_directions(raw: Table, key: tuple[str, ...]) -> None:
+    """Lets a support that lists its directions have a table of them, each 0, where one is given a number by itself."""
+    if len(key) != 4 or (key[0], key[2]) != ("supports", "fix") or key[3].isdigit():
+        return
+    supports = raw.get("supports")
+    support = supports.get(key[1]) if isinstance(supports, dict) else None
+    listed = support.get("fix") if isinstance(support, dict) else None
+    if isinstance(support, dict) and isinstance(listed, list) and all(isinstance(one, str) for one in listed):
+        support["fix"] = dict.fromkeys(listed, 0)
 
 
 def branched(raw: Table, key: tuple[str, ...]) -> Table:

@@ -1,4 +1,4 @@
-"""Lengths of a scene that are too large for its cloth: of triangles, and of the layer in which bodies push."""
+"""What is odd for cloth in a scene: large triangles, a thick layer in which bodies push, weights that none has."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ TRIANGLES, FEWEST = 10.0, 4.0
 """Triangles along the longer side of a pattern that show its folds, and fewer than which do not."""
 THIN, THICKEST = 0.01, 0.1
 """Distance at which contact begins over the shorter side of a pattern: what is usual, and what is too much."""
+LIGHTEST, HEAVIEST = 1e-3, 10.0
+"""Mass by area [kg/m^2] that no cloth has less or more of: the sheerest silk has 0.01, saddle leather 5."""
 
 
 def coarse_words(scene: Scene, outline: Outline) -> list[str]:
@@ -33,4 +35,15 @@ def coarse_words(scene: Scene, outline: Outline) -> list[str]:
             f"effects.contact.thickness: cloth lies up to {si(thickness, 'm', 3)} above bodies, and is "
             f'{si(shorter, "m", 3)} wide: set it to "{si(THIN * shorter, "m", 2)}" or so'
         )
-    return [*found, *slipping_words(scene)]
+    return [*found, *_odd_masses(scene), *slipping_words(scene)]
+
+
+def _odd_masses(scene: Scene) -> list[str]:
+    """Materials whose mass by area is no cloth's; one without any is meant so."""
+    masses = {name: (one.rho or 0.0) * one.thickness for name, one in scene.material.items()}
+    return [
+        f"material.{name}: {mass:.3g} kg/m^2, which is rho times thickness, is no cloth's, which is between "
+        f"{LIGHTEST:g} and {HEAVIEST:g}: are the units of both right?"
+        for name, mass in masses.items()
+        if mass and not LIGHTEST <= mass <= HEAVIEST
+    ]
