@@ -13,6 +13,8 @@ from restshape.algebra.eigenproblems.inverse_iteration import inverse_iteration
 from restshape.algebra.eigenproblems.krylov_schur import krylov_schur
 from restshape.algebra.eigenproblems.pencil import Deflation, Pencil
 from restshape.algebra.eigenproblems.spectrum import gap
+from restshape.algebra.factors import lone_factor
+from restshape.algebra.factors.interior_factor import has_mumps
 from restshape.algebra.stages import Stages
 from restshape.calibration import Calibration
 from restshape.errors import ReplayProblem
@@ -97,6 +99,25 @@ def test_modes_have_unit_mass_and_no_rigid_part(model):
         parts = modes @ (M @ rigid.T) / np.sqrt(np.einsum("in,ni->i", rigid, M @ rigid.T))
         assert np.abs(parts).max() < 1e-9
         assert np.abs(K @ rigid.T).max() < 1e-9 * abs(K).max()
+
+
+@pytest.mark.skipif(not has_mumps(), reason="PETSc has no MUMPS, which counts pivots of large pencils")
+@pytest.mark.parametrize("model", ["plane", "tet4", "tet10", "plate"])
+def test_large_pencils_have_the_counts_and_modes_of_small_ones(model, monkeypatch):
+    expected = solved(model)
+    monkeypatch.setattr(lone_factor, "LARGE", 0)
+    found = solved(model)
+    count = expected.state.count
+    assert found.state.modes.values[:count] == pytest.approx(expected.state.modes.values[:count], rel=1e-8)
+    stiffness, mass = (operator.mat for operator in expected.state.matrices.operators)
+    counts = []
+    for counted in (False, True):
+        pencil = Pencil(Stages(), counted=counted)
+        pencil.set_matrices(stiffness, mass, True)
+        counts.append([pencil.factor(c * expected.state.modes.values[0]) for c in (-0.01, 0.5, 1.5, 40.0, 3000.0)])
+        assert type(pencil._kept) is (lone_factor.CountedFactor if counted else lone_factor.LoneFactor)
+    assert counts[0] == counts[1]
+    assert counts[1][-1] > count
 
 
 def test_old_factor_still_finds_the_new_modes():

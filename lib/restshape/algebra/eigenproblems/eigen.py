@@ -109,7 +109,7 @@ class EigenSolver:
         self, method: str, tolerance: float, calibration: Calibration, stages: Stages, warm: bool = True
     ) -> None:
         self.method, self.tolerance, self.stages, self.warm = method, tolerance, stages, warm
-        self.pencil = Pencil(stages)
+        self.pencil = Pencil(stages, counted=True)
         self.life = FactorLife(self.pencil, calibration, method != "direct")
         self._deflation: Deflation | None = None
         self.space: SearchSpace | None = None

@@ -7,7 +7,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from restshape import _kernels
-from restshape.algebra.factors.lone_factor import LoneFactor
+from restshape.algebra.factors.lone_factor import CountedFactor, LoneFactor
 from restshape.algebra.factors.row_share import RowShare
 from restshape.algebra.factors.shared_factor import SharedFactor
 from restshape.algebra.row_products import add_combined, combined
@@ -26,7 +26,7 @@ class Pencil:
 
     Args:
         stages: takes the time of factorisations.
-        blocks: factors are made in blocks of a node: half the time, and no counts of eigenvalues to rely on.
+        counted: factors of large matrices on one rank are a `CountedFactor`; mass must be positive semidefinite.
 
     Attributes:
         stiffness, mass: PETSc matrices of the same pattern, symmetric; set by `set_matrices`.
@@ -36,14 +36,14 @@ class Pencil:
         factorisations, substitutions, products: counted since the start.
     """
 
-    def __init__(self, stages: Stages, blocks: bool = False) -> None:
-        self.stages = stages
+    def __init__(self, stages: Stages, counted: bool = False) -> None:
+        self.stages, self.counted = stages, counted
         self.stiffness = self.mass = PETSc.Mat()
         self.shift = 0.0
         self.nonzeros = 0.0
         self.factorisations = self.substitutions = self.products = 0
         self.share = RowShare(PETSc.COMM_SELF, slice(0, 0), 0)
-        self._kept: LoneFactor | SharedFactor = LoneFactor(blocks)
+        self._kept: LoneFactor | SharedFactor = LoneFactor()
         self._counting: LoneFactor | SharedFactor = LoneFactor()
         self._patterns = (0, 0)
 
@@ -77,6 +77,8 @@ class Pencil:
             self._kept, self._counting = SharedFactor(), SharedFactor()
         if new_system:
             self._kept.forget()
+            if self.share.alone:
+                self._kept = CountedFactor() if self.counted and CountedFactor.serves(self.size) else LoneFactor()
         elif self._kept.made:
             self._kept.substitute_by_panels()
         # Flips may have made other matrices of a larger pattern: what was analysed before no longer fits them.
