@@ -15,7 +15,7 @@ from restshape.physics.flow.history import Level
 
 DRAG = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.75, 0.75), 30))
 """Nodes move, edges flip, and a mesh is new."""
-FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.7, 0.6), 3))
+FAR = drag("window", (0.4, 0.5), across((0.4, 0.5), (0.8, 0.75), 3))
 STEADY_SHEAR = '["y", 0]'
 MESH = '[quantities]\ndrag = { drag = true, at = "body" }\nlift = { lift = true, at = "body" }\n'
 MESH += "[mesh]\nsize = 0.12\nnear = { body = 0.05 }\n"

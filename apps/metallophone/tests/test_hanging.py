@@ -57,7 +57,7 @@ def test_weights_say_which_modes_are_spared():
 @pytest.mark.parametrize(
     ("scene", "overrides", "mode"),
     [
-        ("disc.toml", ("supports={}", "mesh.size=0.25", "effects.modal.model=solid", "mesh.order=1"), 1),
+        ("disc.toml", ("supports={}", "mesh.size=0.22", "effects.modal.model=solid", "mesh.order=1"), 1),
         ("square.toml", ("mesh.size=2",), 4),
     ],
 )
