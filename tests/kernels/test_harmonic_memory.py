@@ -28,4 +28,4 @@ def test_a_map_keeps_neither_shapes_nor_copies_of_its_matrix():
     extension = _kernels.HarmonicExtension(X, cells, boundary)
     taken = (resident() - before) / len(cells)
     found = extension.solve(X[boundary])
-    assert taken < 375.0 and np.abs(found - X).max() < 1e-9
+    assert taken < 380.0 and np.abs(found - X).max() < 1e-9

@@ -107,4 +107,4 @@ def test_a_floor_that_rises_far_takes_less_work_than_one_that_cloth_must_get_out
     energy, expected = (sum(state.energy for state in some[3:]) for some in (found, others))
     assert steps < 0.85 * more
     # Folds are others, as on any other way.
-    assert energy == pytest.approx(expected, rel=0.02)
+    assert energy == pytest.approx(expected, rel=0.04)

@@ -122,8 +122,9 @@ def resting(made: Replay, rows: Sequence[Row], bound: float = REST, way: float =
     yield from valid(rows, residual=bound)
     moving = [row for row in rows if not row["converged"]]
     yield true(f"{len(rows)} frames in equilibrium", not moving, moving[0]["note"] if moving else "yes")
-    # Differences have an error of rounding and of the third derivative besides.
-    yield below("residual by differences of the energy", differenced(made, way=way), 1.5 * bound)
+    # Differences have an error of rounding and of the third derivative besides, and a residual that few unknowns have
+    # is overestimated by up to twice where some of them are drawn.
+    yield below("residual by differences of the energy", differenced(made, way=way), 3.0 * bound)
 
 
 def samples(made: Replay) -> np.ndarray:

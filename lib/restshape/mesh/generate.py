@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -28,13 +28,16 @@ SWEEPS = 3
 """Smoothing sweeps after Delaunay refinement: each costs 1 % of the mesher and they raise the mean quality by 0.08."""
 
 
+T = TypeVar("T")
+
+
 class Shared(Protocol):
     """Calls functions at once, each on one rank; all have the results of all, or the first error is raised on all."""
 
-    def __call__(self, *makes: Callable[[], Any]) -> list[Any]: ...
+    def __call__(self, *makes: Callable[[], T]) -> list[T]: ...
 
 
-def alone(*makes: Callable[[], Any]) -> list[Any]:
+def alone(*makes: Callable[[], T]) -> list[T]:
     """The results of functions that one rank calls."""
     return [make() for make in makes]
 

@@ -1,7 +1,7 @@
 """Replays of scripts that edit an outline: the session, and the mesh that follows it."""
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TypeVar, cast
 
 from mpi4py.util.pkl5 import Intracomm as ArraysApart
 from petsc4py import PETSc
@@ -16,6 +16,8 @@ from restshape.scene.edit_script import Script
 from restshape.scene.model import Scene
 from restshape.scene.plan import plan
 from restshape.shape.session import EditSession
+
+T = TypeVar("T")
 
 
 def replayed_shape(
@@ -38,7 +40,7 @@ def replayed_shape(
         imported, outline = read_mesh(scene.folder / scene.mesh.file, scene.mesh.unit, ranks=comm.size)
     session = EditSession(scene, script, application, outline)
 
-    def shared(*makes: Callable[[], Any]) -> list[Any]:
+    def shared(*makes: Callable[[], T]) -> list[T]:
         return _shared(comm, makes)
 
     moving = MovingMesh(
@@ -64,10 +66,10 @@ def _harmonic_on(comm: PETSc.Comm) -> Harmonic:
     return harmonic_on(comm.tompi4py())
 
 
-def _shared(comm: PETSc.Comm, makes: Sequence[Callable[[], Any]]) -> list[Any]:
+def _shared(comm: PETSc.Comm, makes: Sequence[Callable[[], T]]) -> list[T]:
     """What each function gives on a rank of its own, as far as there are, on every rank; likewise the first problem."""
     ranks = ArraysApart(comm.tompi4py())
-    outcomes: list[Any] = [None] * len(makes)
+    outcomes: list[object] = [None] * len(makes)
     for k in range(ranks.rank, len(makes), ranks.size):
         try:
             outcomes[k] = makes[k]()
@@ -77,4 +79,4 @@ def _shared(comm: PETSc.Comm, makes: Sequence[Callable[[], Any]]) -> list[Any]:
     for outcome in outcomes:
         if isinstance(outcome, (ReplayProblem, UserError)):
             raise outcome
-    return outcomes
+    return cast("list[T]", outcomes)
